@@ -1,0 +1,1 @@
+"""Distance queries and contact forces between arbitrarily shaped bodies; needs no simulator."""

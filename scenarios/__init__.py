@@ -1,0 +1,1 @@
+"""Scenarios: YAML in, simulation, acceptance check, report; and the command line."""

@@ -1,0 +1,1 @@
+"""Drake systems that put the contact toolkit into a multibody plant."""
