@@ -1,0 +1,270 @@
+#include "bvh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "tolerances.h"
+
+namespace contact_toolkit {
+namespace {
+
+constexpr int kBins = 16;
+
+struct Box {
+  Vec3 lower{kInfinity, kInfinity, kInfinity};
+  Vec3 upper{-kInfinity, -kInfinity, -kInfinity};
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  void Add(const Box& b) {
+    for (int i = 0; i < 3; ++i) {
+      lower[i] = std::min(lower[i], b.lower[i]);
+      upper[i] = std::max(upper[i], b.upper[i]);
+    }
+  }
+  void Add(const Vec3& p) { Add(Box{p, p}); }
+  double HalfArea() const {
+    const Vec3 d = upper - lower;
+    return d.x < 0 ? 0 : d.x * d.y + d.y * d.z + d.z * d.x;
+  }
+};
+
+struct Range {
+  int first, count;
+  Box box;  // of the facets
+};
+
+class Builder {
+ public:
+  Builder(std::span<const Vec3> vertices, std::span<const std::array<std::int32_t, 3>> faces)
+      : vertices_(vertices), faces_(faces), boxes_(faces.size()), order_(faces.size()) {
+    Box all;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      for (const std::int32_t v : faces[f]) boxes_[f].Add(vertices[v]);
+      all.Add(boxes_[f]);
+    }
+    std::iota(order_.begin(), order_.end(), 0);
+    bvh_.origin = 0.5 * (all.lower + all.upper);
+    bvh_.half_extent = 0.5 * (all.upper - all.lower);
+    bvh_.size = std::max({bvh_.half_extent.x, bvh_.half_extent.y, bvh_.half_extent.z});
+    BuildNode({0, static_cast<int>(faces.size()), all}, 1);
+    FillSlots();
+  }
+
+  Bvh Take() { return std::move(bvh_); }
+
+ private:
+  double Middle(int facet, int axis) const {
+    return 0.5 * (boxes_[facet].lower[axis] + boxes_[facet].upper[axis]);
+  }
+
+  // Splits a range in two where the surface area heuristic is least; near the leaves at a multiple of
+  // the node width, so that bottom nodes are full.
+  std::pair<Range, Range> Split(const Range& range) {
+    Box centers;
+    for (int i = 0; i < range.count; ++i) {
+      const int f = order_[range.first + i];
+      centers.Add(Vec3{Middle(f, 0), Middle(f, 1), Middle(f, 2)});
+    }
+    const int at = range.count <= kExactSplit ? SortedSplit(range) : BinnedSplit(range, centers);
+    Range left{range.first, at, {}}, right{range.first + at, range.count - at, {}};
+    for (Range* side : {&left, &right}) {
+      for (int i = 0; i < side->count; ++i) side->box.Add(boxes_[order_[side->first + i]]);
+    }
+    return {left, right};
+  }
+
+  // Cost of a side: its surface area times the bottom nodes it needs.
+  static double Cost(const Box& box, int count) {
+    return box.HalfArea() * ((count + kBvhWidth - 1) / kBvhWidth);
+  }
+
+  void SortAlong(const Range& range, int axis) {
+    std::sort(order_.begin() + range.first, order_.begin() + range.first + range.count,
+              [&](int a, int b) {
+                const double x = Middle(a, axis), y = Middle(b, axis);
+                return x != y ? x < y : a < b;
+              });
+  }
+
+  int SortedSplit(const Range& range) {
+    // Candidate positions: multiples of the width from either end.
+    double best = Box::kInfinity;
+    int best_axis = 0, best_at = range.count / 2;
+    std::vector<double> right_cost(range.count + 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      SortAlong(range, axis);
+      Box box;
+      for (int i = range.count - 1; i > 0; --i) {
+        box.Add(boxes_[order_[range.first + i]]);
+        right_cost[i] = Cost(box, range.count - i);
+      }
+      box = Box{};
+      for (int i = 1; i < range.count; ++i) {
+        box.Add(boxes_[order_[range.first + i - 1]]);
+        const double cost = Cost(box, i) + right_cost[i];
+        if (cost < best) best = cost, best_axis = axis, best_at = i;
+      }
+    }
+    SortAlong(range, best_axis);
+    return best_at;
+  }
+
+  int BinnedSplit(const Range& range, const Box& centers) {
+    double best = Box::kInfinity;
+    int best_axis = -1, best_bin = 0;
+    const auto bin_of = [&](int facet, int axis) {
+      const double width = centers.upper[axis] - centers.lower[axis];
+      const double t = (Middle(facet, axis) - centers.lower[axis]) / width;
+      return std::min(kBins - 1, static_cast<int>(t * kBins));
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(centers.upper[axis] > centers.lower[axis])) continue;
+      Box box[kBins];
+      int count[kBins] = {};
+      for (int i = 0; i < range.count; ++i) {
+        const int f = order_[range.first + i], b = bin_of(f, axis);
+        box[b].Add(boxes_[f]);
+        ++count[b];
+      }
+      double right_cost[kBins];
+      Box sweep;
+      int n = 0;
+      for (int b = kBins - 1; b > 0; --b) {
+        sweep.Add(box[b]);
+        right_cost[b] = Cost(sweep, n += count[b]);
+      }
+      sweep = Box{};
+      n = 0;
+      for (int b = 1; b < kBins; ++b) {
+        sweep.Add(box[b - 1]);
+        n += count[b - 1];
+        if (n == 0 || n == range.count) continue;
+        const double cost = Cost(sweep, n) + right_cost[b];
+        if (cost < best) best = cost, best_axis = axis, best_bin = b;
+      }
+    }
+    if (best_axis < 0) return range.count / 2;  // all centres coincide
+    const auto begin = order_.begin() + range.first, end = begin + range.count;
+    const auto middle = std::stable_partition(
+        begin, end, [&](int f) { return bin_of(f, best_axis) < best_bin; });
+    return static_cast<int>(middle - begin);
+  }
+
+  // Returns the index of the node made for the range.
+  int BuildNode(const Range& range, int depth) {
+    const int index = static_cast<int>(bvh_.nodes.size());
+    bvh_.nodes.emplace_back();
+    bvh_.depth = std::max(bvh_.depth, depth);
+    if (range.count <= kBvhWidth) {
+      BvhNode& node = bvh_.nodes[index];
+      node.block = static_cast<int>(bvh_.blocks.size());
+      node.count = range.count;
+      bvh_.blocks.emplace_back();
+      for (int k = 0; k < kBvhWidth; ++k) {
+        const int facet = order_[range.first + (k < range.count ? k : 0)];
+        SetLane(&node, k, boxes_[facet], k < range.count);
+        node.child[k] = k < range.count ? range.first + k : -1;
+      }
+      return index;
+    }
+    // Open the child with the largest surface until there are eight.
+    std::vector<Range> children{range};
+    while (children.size() < kBvhWidth) {
+      int widest = -1;
+      double most = -1;
+      for (std::size_t i = 0; i < children.size(); ++i) {
+        if (children[i].count <= kBvhWidth) continue;
+        const double cost = Cost(children[i].box, children[i].count);
+        if (cost > most) most = cost, widest = static_cast<int>(i);
+      }
+      if (widest < 0) break;
+      const auto [left, right] = Split(children[widest]);
+      children[widest] = left;
+      children.insert(children.begin() + widest + 1, right);
+    }
+    const int count = static_cast<int>(children.size());
+    for (int k = 0; k < kBvhWidth; ++k) {
+      const Range& child = children[k < count ? k : 0];
+      const int child_index = k < count ? BuildNode(child, depth + 1) : -1;
+      BvhNode& node = bvh_.nodes[index];
+      node.count = count;
+      node.child[k] = child_index;
+      SetLane(&node, k, child.box, k < count);
+    }
+    return index;
+  }
+
+  // Rounds the box outwards to single precision; unused lanes can never pass a test.
+  void SetLane(BvhNode* node, int k, const Box& box, bool used) const {
+    for (int i = 0; i < 3; ++i) {
+      const double center = 0.5 * (box.lower[i] + box.upper[i]) - bvh_.origin[i];
+      const auto rounded = static_cast<float>(center);
+      const double half = std::max(box.upper[i] - bvh_.origin[i] - rounded,
+                                   rounded - (box.lower[i] - bvh_.origin[i]));
+      constexpr float kBig = std::numeric_limits<float>::infinity();
+      node->center[i][k] = rounded;
+      node->half[i][k] = used ? std::nextafter(static_cast<float>(half), kBig) : -kBig;
+    }
+  }
+
+  void FillSlots() {
+    const std::size_t count = faces_.size();
+    bvh_.slot_facet.assign(order_.begin(), order_.end());
+    bvh_.slot_vertices.resize(count);
+    bvh_.slot_coordinates.resize(9 * count);
+    bvh_.slot_thin.resize(count);
+    for (std::size_t slot = 0; slot < count; ++slot) {
+      std::array<std::int32_t, 3> v = faces_[order_[slot]];
+      std::sort(v.begin(), v.end());
+      bvh_.slot_vertices[slot] = v;
+      for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < 3; ++i) bvh_.slot_coordinates[9 * slot + 3 * c + i] = vertices_[v[c]][i];
+      }
+      const Vec3 u = vertices_[v[1]] - vertices_[v[0]], w = vertices_[v[2]] - vertices_[v[0]];
+      const double longest = std::max({SquaredNorm(u), SquaredNorm(w), SquaredNorm(u - w)});
+      bvh_.slot_thin[slot] = !(SquaredNorm(Cross(u, w)) > kThinFacet * longest * longest);
+    }
+    for (const BvhNode& node : bvh_.nodes) {
+      if (node.bottom()) FillBlock(node, &bvh_.blocks[node.block]);
+    }
+  }
+
+  void FillBlock(const BvhNode& node, FacetBlock* block) const {
+    for (int k = 0; k < kBvhWidth; ++k) {
+      const int slot = node.child[k < node.count ? k : 0];
+      Vec3 p[3];
+      for (int c = 0; c < 3; ++c) {
+        p[c] = vertices_[bvh_.slot_vertices[slot][c]] - bvh_.origin;
+        for (int i = 0; i < 3; ++i) block->vertex[c][i][k] = static_cast<float>(p[c][i]);
+      }
+      const Vec3 normal =
+          bvh_.slot_thin[slot] ? Vec3{} : Normalized(Cross(p[1] - p[0], p[2] - p[0]));
+      for (int i = 0; i < 3; ++i) block->normal[i][k] = static_cast<float>(normal[i]);
+      block->offset[k] = static_cast<float>(Dot(normal, p[0]));
+    }
+  }
+
+  static constexpr int kExactSplit = 128;  // below it all split positions are tried
+
+  std::span<const Vec3> vertices_;
+  std::span<const std::array<std::int32_t, 3>> faces_;
+  std::vector<Box> boxes_;
+  std::vector<int> order_;
+  Bvh bvh_;
+};
+
+}  // namespace
+
+std::size_t Bvh::MemoryBytes() const {
+  return nodes.size() * sizeof(BvhNode) + blocks.size() * sizeof(FacetBlock) +
+         slot_facet.size() * (sizeof(std::int32_t) + sizeof(slot_vertices[0]) + 9 * sizeof(double) +
+                              sizeof(std::uint8_t));
+}
+
+Bvh BuildBvh(std::span<const Vec3> vertices, std::span<const std::array<std::int32_t, 3>> faces) {
+  return Builder(vertices, faces).Take();
+}
+
+}  // namespace contact_toolkit

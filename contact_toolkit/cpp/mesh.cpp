@@ -1,0 +1,190 @@
+#include "mesh.h"
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+#include <unordered_map>
+
+#include "tolerances.h"
+
+namespace contact_toolkit {
+namespace {
+
+struct VertexHash {
+  std::size_t operator()(const Vec3& v) const {
+    std::size_t hash = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double value = v[i] + 0.0;  // -0.0 and 0.0 weld
+      std::uint64_t bits;
+      std::memcpy(&bits, &value, sizeof bits);
+      hash = (hash ^ bits) * 0x9e3779b97f4a7c15ull;
+      hash ^= hash >> 32;
+    }
+    return hash;
+  }
+};
+
+std::string Describe(const char* what, std::size_t index) {
+  return std::string(what) + " " + std::to_string(index);
+}
+
+double AngleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
+  const Vec3 u = a - corner, v = b - corner;
+  return std::atan2(Norm(Cross(u, v)), Dot(u, v));
+}
+
+}  // namespace
+
+CollisionMesh::CollisionMesh(std::span<const Vec3> vertices, std::span<const Triple> faces) {
+  Weld(vertices, faces);
+  BuildEdges();
+  BuildNormals();
+  FindDefects();
+  bvh_ = BuildBvh(vertices_, faces_);
+}
+
+void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple> faces) {
+  if (faces.empty()) {
+    throw MeshError("the mesh has no facet; a contact geometry needs at least one");
+  }
+  const auto count = static_cast<std::int64_t>(vertices.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (const std::int32_t v : faces[f]) {
+      if (v < 0 || v >= count) {
+        throw MeshError(Describe("facet", f) + " refers to vertex " + std::to_string(v) +
+                        ", but the mesh has vertices 0 to " + std::to_string(count - 1) +
+                        "; indices count from 0");
+      }
+    }
+  }
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (const std::int32_t v : faces[f]) {
+      for (int i = 0; i < 3; ++i) {
+        const double x = vertices[v][i];
+        if (!(std::abs(x) <= kMaxCoordinate)) {
+          const char* found = std::isnan(x) ? "NaN" : std::isinf(x) ? "infinite" : nullptr;
+          throw MeshError(Describe("vertex", v) + " of " + Describe("facet", f) + " has " +
+                          (found ? "a coordinate that is " + std::string(found)
+                                 : "a coordinate of magnitude " + std::to_string(std::abs(x)) +
+                                       " m, beyond the limit of 1e15 m") +
+                          "; remove the facet or mend the exporter");
+        }
+      }
+    }
+  }
+
+  std::unordered_map<Vec3, std::int32_t, VertexHash> index_of;
+  index_of.reserve(vertices.size());
+  welded_.resize(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const auto [it, inserted] =
+        index_of.try_emplace(vertices[v], static_cast<std::int32_t>(vertices_.size()));
+    if (inserted) vertices_.push_back(vertices[v]);
+    welded_[v] = it->second;
+  }
+  faces_.reserve(faces.size());
+  for (const Triple& f : faces) {
+    faces_.push_back({welded_[f[0]], welded_[f[1]], welded_[f[2]]});
+  }
+
+  lower_ = upper_ = vertices_[faces_[0][0]];
+  for (const Triple& f : faces_) {
+    for (const std::int32_t v : f) {
+      for (int i = 0; i < 3; ++i) {
+        lower_[i] = std::min(lower_[i], vertices_[v][i]);
+        upper_[i] = std::max(upper_[i], vertices_[v][i]);
+      }
+    }
+  }
+  if (!(diagonal() >= kMinExtent)) {
+    throw MeshError("the mesh is " + std::to_string(diagonal()) +
+                    " m across: all facets meet in one point (smaller than 1e-15 m); check the scale");
+  }
+}
+
+void CollisionMesh::BuildEdges() {
+  // Sort all half edges by their two vertices; equal runs are one edge.
+  struct HalfEdge {
+    Couple ends;
+    std::int32_t facet, corner;
+  };
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(3 * faces_.size());
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t a = faces_[f][k], b = faces_[f][(k + 1) % 3];
+      half_edges.push_back({{std::min(a, b), std::max(a, b)}, static_cast<std::int32_t>(f), k});
+    }
+  }
+  std::sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.ends, a.facet, a.corner) < std::tie(b.ends, b.facet, b.corner);
+  });
+  face_edges_.resize(faces_.size());
+  for (std::size_t i = 0; i < half_edges.size();) {
+    const auto edge = static_cast<std::int32_t>(edges_.size());
+    edges_.push_back(half_edges[i].ends);
+    edge_faces_.push_back({-1, -1});
+    std::size_t users = 0;
+    bool same_way = false;
+    const std::size_t first = i;
+    for (; i < half_edges.size() && half_edges[i].ends == edges_.back(); ++i, ++users) {
+      face_edges_[half_edges[i].facet][half_edges[i].corner] = edge;
+      if (users < 2) edge_faces_.back()[users] = half_edges[i].facet;
+    }
+    if (users == 2) {
+      const auto starts_low = [&](const HalfEdge& h) {
+        return faces_[h.facet][h.corner] == h.ends[0];
+      };
+      same_way = starts_low(half_edges[first]) == starts_low(half_edges[first + 1]);
+    }
+    const bool collapsed = edges_.back()[0] == edges_.back()[1];
+    if (users == 1 && !collapsed) defects_.open_edges.push_back(edge);
+    if (users > 2 && !collapsed) defects_.non_manifold_edges.push_back(edge);
+    if (same_way && !collapsed) defects_.inconsistent_edges.push_back(edge);
+  }
+}
+
+void CollisionMesh::BuildNormals() {
+  face_normals_.resize(faces_.size());
+  edge_normals_.assign(edges_.size(), Vec3{});
+  vertex_normals_.assign(vertices_.size(), Vec3{});
+  const Vec3 middle = 0.5 * (lower_ + upper_);
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Vec3 p[3] = {vertices_[faces_[f][0]], vertices_[faces_[f][1]], vertices_[faces_[f][2]]};
+    const Vec3 n = Cross(p[1] - p[0], p[2] - p[0]);
+    face_normals_[f] = Normalized(n);
+    area_ += 0.5 * Norm(n);
+    volume_ += Dot(p[0] - middle, n) / 6;
+    for (int k = 0; k < 3; ++k) {
+      edge_normals_[face_edges_[f][k]] += face_normals_[f];
+      vertex_normals_[faces_[f][k]] +=
+          AngleAt(p[k], p[(k + 1) % 3], p[(k + 2) % 3]) * face_normals_[f];
+    }
+  }
+}
+
+void CollisionMesh::FindDefects() {
+  std::vector<std::pair<Triple, std::int32_t>> sorted(faces_.size());
+  std::vector<char> used(vertices_.size(), 0);
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    Triple key = faces_[f];
+    for (const std::int32_t v : key) used[v] = 1;
+    std::sort(key.begin(), key.end());
+    sorted[f] = {key, static_cast<std::int32_t>(f)};
+    if (face_normals_[f] == Vec3{}) {
+      defects_.zero_area_facets.push_back(static_cast<std::int32_t>(f));
+    }
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i].first == sorted[i - 1].first) {
+      defects_.duplicate_facets.push_back(sorted[i].second);
+    }
+  }
+  std::sort(defects_.duplicate_facets.begin(), defects_.duplicate_facets.end());
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) defects_.unused_vertices.push_back(static_cast<std::int32_t>(v));
+  }
+}
+
+}  // namespace contact_toolkit

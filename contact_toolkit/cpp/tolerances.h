@@ -1,0 +1,33 @@
+// Every tolerance and limit of the core, with its unit, its reason and what breaks without it.
+#pragma once
+
+namespace contact_toolkit {
+
+// [m] Coordinates beyond this are refused: squared lengths must stay within single precision's
+// range in the culling tests (1e15² = 1e30 < 3e38), and no machine is larger.
+inline constexpr double kMaxCoordinate = 1e15;
+
+// [m] Meshes smaller than this are refused for the same reason at the other end.
+inline constexpr double kMinExtent = 1e-15;
+
+// [-] Slack of the single-precision culling tests, as a share of the coordinates' size: a dozen
+// roundings of 6e-8 each. Too small and pairs are missed.
+inline constexpr double kCullingSlack = 2e-6;
+
+// [-] A facet is thin when |n|² < kThinFacet · (longest edge)⁴, n the cross product of two edges: below
+// it the plane through the facet is less accurate than 1e-12 and the careful kernel takes over.
+inline constexpr double kThinFacet = 1e-7;
+
+// [-] Two edges are nearly parallel when sin² of their angle is below this: the fast kernel's dot
+// products then lose more than three digits, and the careful kernel takes over.
+inline constexpr double kNearlyParallel = 1e-5;
+
+// [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves the
+// witness points apart by less than 1e-14 of the edges' lengths.
+inline constexpr double kParallel = 1e-28;
+
+// [-] A witness point within this share of an edge's length from its end lies on the end vertex, a
+// barycentric coordinate below it puts the point on the edge. It decides features, never distances.
+inline constexpr double kOnFeature = 1e-9;
+
+}  // namespace contact_toolkit
