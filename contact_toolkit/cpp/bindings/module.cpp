@@ -1,8 +1,16 @@
 // The Python module contact_toolkit._core.
 //
 // Each other file in this folder binds one C++ header and defines one function,
-// void bind_xxx(nanobind::module_& m). Declare it here and call it below.
+// void BindXxx(nanobind::module_& m). Declare it here and call it below.
 
 #include <nanobind/nanobind.h>
 
-NB_MODULE(_core, m) { m.doc() = "The native core of the contact toolkit."; }
+namespace contact_toolkit {
+void BindMesh(nanobind::module_& m);
+void BindWitness(nanobind::module_& m);
+}  // namespace contact_toolkit
+
+NB_MODULE(_core, m) {
+  m.doc() = "The native core of the contact toolkit.";
+  contact_toolkit::BindMesh(m);
+}
