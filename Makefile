@@ -86,25 +86,31 @@ types: build $(VENV)/.extra-dev  ## check types
 	$(BIN)/mypy
 
 # The interpreter is not instrumented, so the sanitizer's library has to be loaded before it; and
-# the C++ library with it, because the sanitizer wraps its throw.
+# the C++ library with it, because the sanitizer wraps its throw. What uninstrumented libraries
+# (numpy's threads) do among themselves is no finding. setarch: some kernels randomise addresses
+# more than ThreadSanitizer can bear. -s: a report is the last thing a dying process says, and
+# pytest would keep it to itself.
 CXX_LIB = $$($(CXX) -print-file-name=$(1).so)
+NO_ASLR = $$(setarch -R true 2>/dev/null && echo setarch -R)
 define instrumented
 	PATH="$(abspath $(BIN)):$$PATH" cmake --preset $(1) -DPython_EXECUTABLE=$(abspath $(BIN)/python)
 	PATH="$(abspath $(BIN)):$$PATH" cmake --build --preset $(1)
-	CONTACT_TOOLKIT_CORE=$$(ls $(CURDIR)/build/$(1)/_core*.so) PYTHONPATH=tests PYTHONMALLOC=malloc \
-	  LD_PRELOAD="$(call CXX_LIB,$(2)):$(call CXX_LIB,libstdc++)" \
-	  ASAN_OPTIONS=detect_leaks=0 TSAN_OPTIONS=halt_on_error=1 UBSAN_OPTIONS=print_stacktrace=1 \
-	  $(PYTEST) -p instrumented_core -m '$(3) and not slow' $(ARGS)
+	CONTACT_TOOLKIT_CORE=$$(ls $(CURDIR)/build/$(1)/_core*.so) PYTHONPATH=$(CURDIR)/tests \
+	  LD_PRELOAD="$(call CXX_LIB,$(2)):$(call CXX_LIB,libstdc++)" PYTHONMALLOC=malloc \
+	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+	  TSAN_OPTIONS=halt_on_error=1:ignore_noninstrumented_modules=1 \
+	  $(3) $(PYTEST) -s -n $(WORKERS) -p instrumented_core -m '$(4) and not slow' $(ARGS)
 endef
 
 sanitize: build  ## run the engine's tests under the address and undefined-behaviour sanitizers
-	$(call instrumented,sanitize,libasan,engine)
+	$(call instrumented,sanitize,libasan,,engine)
 
 tsan: build  ## run the threaded tests under the thread sanitizer
-	$(call instrumented,tsan,libtsan,threads)
+	$(call instrumented,tsan,libtsan,$(NO_ASLR),threads)
 
 wheel: $(VENV)/.extra-dev  ## build the wheel into dist/
-	PIP_CONSTRAINT=constraints.txt $(BIN)/python -m build --wheel -C build-dir=build/wheel
+	rm -rf dist
+	PIP_CONSTRAINT=$(CURDIR)/constraints.txt $(BIN)/python -m build --wheel -C build-dir=build/wheel
 
 # Outside the checkout, so that nothing is picked up from it.
 wheel-test: wheel  ## install the wheel in a clean environment elsewhere and run the demo there
