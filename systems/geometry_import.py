@@ -1,0 +1,178 @@
+"""Take collision geometries over from a SceneGraph: any `Shape` becomes a `CollisionMesh`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    GeometryId,
+    HalfSpace,
+    Mesh,
+    SceneGraphInspector,
+    Shape,
+    Sphere,
+)
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+
+from contact_toolkit import CollisionMesh, MeshError
+from systems import tessellation
+from systems.mesh_source import read_mesh_source, surface_of
+from systems.proximity_material import ProximityMaterial, read_material
+from systems.tessellation import Triangles
+
+
+@dataclass(frozen=True)
+class ImportedGeometry:
+    """One collision geometry of a plant, as a mesh.
+
+    Attributes
+    ----------
+    geometry_id, name
+        As SceneGraph knows it.
+    body
+        The body it is fixed in.
+    X_BG
+        (4, 4) pose of the geometry in its body.
+    mesh
+        In the geometry's frame; shared between geometries of equal shape.
+    material
+        What its proximity properties say.
+    """
+
+    geometry_id: GeometryId
+    name: str
+    body: BodyIndex
+    X_BG: NDArray[np.float64]
+    mesh: CollisionMesh
+    material: ProximityMaterial
+
+
+class GeometryImporter:
+    """Makes meshes of the collision geometries of a finalized plant, each shape once.
+
+    Parameters
+    ----------
+    plant, inspector
+        The plant, and its SceneGraph's `model_inspector()` (a context's inspector would show
+        Drake's default properties as if they had been given).
+    tessellation_tolerance
+        How far facets may lie inside a curved surface, relative to its radius.
+    half_space_reach
+        Radius [m] about its origin within which a half space is represented; equally deep.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        inspector: SceneGraphInspector,
+        *,
+        tessellation_tolerance: float = 0.005,
+        half_space_reach: float = 100.0,
+    ) -> None:
+        self._plant = plant
+        self._inspector = inspector
+        self._tolerance = tessellation_tolerance
+        self._reach = half_space_reach
+        self._meshes: dict[tuple[object, ...], CollisionMesh] = {}
+
+    def body_of(self, geometry: GeometryId) -> BodyIndex | None:
+        """Return the body the geometry is fixed in; None when it is not the plant's."""
+        body = self._plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry))
+        return None if body is None else body.index()
+
+    def read(self, geometry: GeometryId) -> ImportedGeometry:
+        """Return the geometry as a mesh; raises MeshError, naming it, where that cannot be done."""
+        body = self.body_of(geometry)
+        name = self._inspector.GetName(geometry)
+        if body is None:
+            raise ValueError(f"geometry {name!r} belongs to no body of the plant")
+        try:
+            mesh = self._mesh_of(geometry)
+        except MeshError as error:
+            body_name = self._plant.get_body(body).scoped_name()
+            raise MeshError(f"collision geometry {name!r} of body {body_name}: {error}") from error
+        return ImportedGeometry(
+            geometry_id=geometry,
+            name=name,
+            body=body,
+            X_BG=self._inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
+            mesh=mesh,
+            material=read_material(self._inspector.GetProximityProperties(geometry)),
+        )
+
+    def _mesh_of(self, geometry: GeometryId) -> CollisionMesh:
+        shape = self._inspector.GetShape(geometry)
+        key = _shape_key(shape)
+        if key is None:
+            return CollisionMesh(*self._triangles_of(geometry, shape))
+        if key not in self._meshes:
+            self._meshes[key] = CollisionMesh(*self._triangles_of(geometry, shape))
+        return self._meshes[key]
+
+    def _triangles_of(self, geometry: GeometryId, shape: Shape) -> Triangles:
+        match shape:
+            case Box():
+                triangles = tessellation.box(shape.size())
+            case Sphere():
+                triangles = tessellation.ellipsoid([shape.radius()] * 3, self._tolerance)
+            case Ellipsoid():
+                semi_axes = [shape.a(), shape.b(), shape.c()]
+                triangles = tessellation.ellipsoid(semi_axes, self._tolerance)
+            case Cylinder():
+                triangles = tessellation.cylinder(shape.radius(), shape.length(), self._tolerance)
+            case Capsule():
+                triangles = tessellation.capsule(shape.radius(), shape.length(), self._tolerance)
+            case HalfSpace():
+                triangles = tessellation.half_space(self._reach)
+            case Convex():
+                triangles = surface_of(shape.GetConvexHull())
+            case Mesh():
+                triangles = self._mesh_triangles(geometry, shape)
+            case _:
+                raise MeshError(f"a {type(shape).__name__} has no surface to touch")
+        return triangles
+
+    def _mesh_triangles(self, geometry: GeometryId, shape: Mesh) -> Triangles:
+        if shape.extension() == ".vtk":
+            # Drake reads tetrahedra only for its own hydroelastic contact, and scales them.
+            own = self._inspector.maybe_get_hydroelastic_mesh(geometry)
+            if own is None:
+                raise MeshError(
+                    f"{shape.source().description()}: a .vtk mesh is read only where it has "
+                    "hydroelastic properties; add them or convert it to .obj"
+                )
+            return surface_of(own)
+        vertices, faces = read_mesh_source(shape.source())
+        scale = shape.scale3()
+        # A mirrored mesh is wound inside out.
+        return vertices * scale, faces[:, ::-1] if np.prod(scale) < 0 else faces
+
+
+def _shape_key(shape: Shape) -> tuple[object, ...] | None:
+    """Return what makes two shapes the same mesh; None where that cannot be told."""
+    size: tuple[object, ...] | None
+    match shape:
+        case Mesh() | Convex():
+            told = shape.source().is_path() and shape.extension() != ".vtk"
+            size = (shape.source().path(), *shape.scale3()) if told else None
+        case Box():
+            size = tuple(shape.size())
+        case Sphere():
+            size = (shape.radius(),)
+        case Ellipsoid():
+            size = (shape.a(), shape.b(), shape.c())
+        case Cylinder() | Capsule():
+            size = (shape.radius(), shape.length())
+        case HalfSpace():
+            size = ()
+        case _:
+            size = None
+    return None if size is None else (type(shape), *size)
