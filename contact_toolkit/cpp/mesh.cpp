@@ -41,6 +41,7 @@ CollisionMesh::CollisionMesh(std::span<const Vec3> vertices, std::span<const Tri
   BuildNormals();
   FindDefects();
   bvh_ = BuildBvh(vertices_, faces_);
+  BuildSlotEdges();
 }
 
 void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple> faces) {
@@ -184,6 +185,19 @@ void CollisionMesh::FindDefects() {
   std::sort(defects_.duplicate_facets.begin(), defects_.duplicate_facets.end());
   for (std::size_t v = 0; v < used.size(); ++v) {
     if (!used[v]) defects_.unused_vertices.push_back(static_cast<std::int32_t>(v));
+  }
+}
+
+void CollisionMesh::BuildSlotEdges() {
+  slot_edges_.resize(faces_.size());
+  for (std::size_t slot = 0; slot < faces_.size(); ++slot) {
+    const Triple& v = bvh_.slot_vertices[slot];
+    const Couple ends[3] = {{v[0], v[1]}, {v[1], v[2]}, {v[0], v[2]}};
+    for (int e = 0; e < 3; ++e) {
+      for (const std::int32_t edge : face_edges_[bvh_.slot_facet[slot]]) {
+        if (edges_[edge] == ends[e]) slot_edges_[slot][e] = edge;
+      }
+    }
   }
 }
 

@@ -30,4 +30,8 @@ inline constexpr double kParallel = 1e-28;
 // barycentric coordinate below it puts the point on the edge. It decides features, never distances.
 inline constexpr double kOnFeature = 1e-9;
 
+// [-] Witness points closer than this share of the coordinates' size touch: their difference is
+// rounding, and gives no direction.
+inline constexpr double kTouching = 1e-14;
+
 }  // namespace contact_toolkit

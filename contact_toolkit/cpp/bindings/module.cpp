@@ -13,4 +13,5 @@ void BindWitness(nanobind::module_& m);
 NB_MODULE(_core, m) {
   m.doc() = "The native core of the contact toolkit.";
   contact_toolkit::BindMesh(m);
+  contact_toolkit::BindWitness(m);
 }

@@ -1,0 +1,80 @@
+#include "witness.h"
+
+#include <nanobind/nanobind.h>
+
+#include "arrays.h"
+#include "simd/kernels.h"
+
+namespace contact_toolkit {
+namespace {
+
+// (kind, index) columns.
+nb::object FeatureArray(const std::vector<Feature>& features) {
+  std::vector<std::array<std::int32_t, 2>> columns(features.size());
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    columns[i] = {static_cast<std::int32_t>(features[i].kind), features[i].index};
+  }
+  return ToNumpy<std::int32_t>(std::move(columns), 2);
+}
+
+nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB, double standoff,
+                        bool merge, int threads) {
+  WitnessPairs pairs;
+  {
+    const nb::gil_scoped_release release;
+    FindWitnessPairs(A, B, Pose::FromMatrix(X_AB.data()), standoff, {merge, threads}, &pairs);
+  }
+  nb::dict rows;
+  rows["feature_a"] = FeatureArray(pairs.feature_a);
+  rows["feature_b"] = FeatureArray(pairs.feature_b);
+  rows["distance"] = ToNumpy(std::move(pairs.distance));
+  rows["p_ACa"] = ToNumpy(std::move(pairs.p_ACa));
+  rows["p_ACb"] = ToNumpy(std::move(pairs.p_ACb));
+  rows["normal_A"] = ToNumpy(std::move(pairs.normal_A));
+  rows["facet_a"] = ToNumpy(std::move(pairs.facet_a));
+  rows["facet_b"] = ToNumpy(std::move(pairs.facet_b));
+  rows["multiplicity"] = ToNumpy(std::move(pairs.multiplicity));
+  return rows;
+}
+
+nb::tuple FeatureTuple(const Feature& f) {
+  return nb::make_tuple(static_cast<int>(f.kind), f.index);
+}
+
+nb::dict DistanceOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
+                    double upper_bound) {
+  ClosestPair closest;
+  {
+    const nb::gil_scoped_release release;
+    closest = FindDistance(A, B, Pose::FromMatrix(X_AB.data()), upper_bound);
+  }
+  nb::dict result;
+  result["distance"] = closest.distance;
+  result["p_ACa"] = ToNumpy(closest.p_ACa);
+  result["p_ACb"] = ToNumpy(closest.p_ACb);
+  result["normal_A"] = ToNumpy(closest.normal_A);
+  result["facet_a"] = closest.facet_a;
+  result["facet_b"] = closest.facet_b;
+  result["feature_a"] = FeatureTuple(closest.feature_a);
+  result["feature_b"] = FeatureTuple(closest.feature_b);
+  return result;
+}
+
+bool IntersectsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB) {
+  const nb::gil_scoped_release release;
+  return Intersects(A, B, Pose::FromMatrix(X_AB.data()));
+}
+
+}  // namespace
+
+void BindWitness(nb::module_& m) {
+  m.def("witness_pairs", &WitnessPairsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
+        nb::arg("standoff"), nb::arg("merge"), nb::arg("threads"));
+  m.def("distance", &DistanceOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
+        nb::arg("upper_bound"));
+  m.def("intersects", &IntersectsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"));
+  m.def("simd", [] { return ActiveKernels().name; });
+  m.def("select_simd", &SelectKernels, nb::arg("name"));
+}
+
+}  // namespace contact_toolkit

@@ -1,0 +1,121 @@
+// Least distance by branch and bound: nearest boxes first, best distance so far as the bound.
+#include <algorithm>
+#include <cmath>
+
+#include "facet_pair.h"
+#include "witness.h"
+
+namespace contact_toolkit {
+namespace {
+
+class Search {
+ public:
+  Search(const PosedPair& pair, double upper_bound)
+      : pair_(pair), best_(upper_bound * upper_bound * (1 + 1e-9)) {}
+
+  void Visit(std::int32_t index_a, std::int32_t index_b) {
+    const Bvh &A = pair_.A.bvh(), &B = pair_.B.bvh();
+    const BvhNode &a = A.nodes[index_a], &b = B.nodes[index_b];
+    alignas(32) float bound[64];
+    pair_.kernels.box_bounds(a, b, pair_.cull, bound);
+    if (a.bottom() && b.bottom()) {
+      MeasureFacets(a, b, bound);
+      return;
+    }
+    struct Child {
+      float bound;
+      std::int32_t a, b;
+    };
+    Child children[64];
+    int count = 0;
+    // A bottom node stays while the other side descends.
+    if (a.bottom()) {
+      for (int j = 0; j < b.count; ++j) {
+        const float least = *std::min_element(bound + 8 * j, bound + 8 * j + a.count);
+        children[count++] = {least, index_a, b.child[j]};
+      }
+    } else if (b.bottom()) {
+      for (int k = 0; k < a.count; ++k) {
+        float least = bound[k];
+        for (int j = 1; j < b.count; ++j) least = std::min(least, bound[8 * j + k]);
+        children[count++] = {least, a.child[k], index_b};
+      }
+    } else {
+      for (int j = 0; j < b.count; ++j) {
+        for (int k = 0; k < a.count; ++k) {
+          if (bound[8 * j + k] < best_) {
+            children[count++] = {bound[8 * j + k], a.child[k], b.child[j]};
+          }
+        }
+      }
+    }
+    std::sort(children, children + count,
+              [](const Child& x, const Child& y) { return x.bound < y.bound; });
+    for (int i = 0; i < count && children[i].bound < best_; ++i) {
+      Visit(children[i].a, children[i].b);
+    }
+  }
+
+  ClosestPair Result(double upper_bound) const {
+    ClosestPair closest;
+    if (found_.count == 0) return closest;
+    const Witness w = WitnessOf(pair_, found_, 0);
+    if (w.distance > upper_bound) return closest;
+    const FeaturePair features = FeaturesOf(pair_, found_, 0);
+    closest = {w.distance,
+               w.p_ACa,
+               w.p_ACb,
+               w.normal_A,
+               pair_.A.bvh().slot_facet[found_.slot_a[0]],
+               pair_.B.bvh().slot_facet[found_.slot_b[0]],
+               features.a,
+               features.b};
+    return closest;
+  }
+
+ private:
+  void MeasureFacets(const BvhNode& a, const BvhNode& b, const float* bound) {
+    std::uint64_t bits = 0;
+    for (int j = 0; j < b.count; ++j) {
+      for (int k = 0; k < a.count; ++k) {
+        if (bound[8 * j + k] < best_) bits |= std::uint64_t{1} << (8 * j + k);
+      }
+    }
+    if (bits == 0) return;
+    bits = pair_.kernels.cull_by_planes(pair_.A.bvh().blocks[a.block], pair_.B.bvh().blocks[b.block],
+                                        pair_.cull, static_cast<float>(std::sqrt(best_)), bits);
+    chunk_.count = 0;
+    for (; bits != 0; bits &= bits - 1) {
+      const int bit = __builtin_ctzll(bits);
+      chunk_.slot_a[chunk_.count] = a.child[bit & 7];
+      chunk_.slot_b[chunk_.count++] = b.child[bit >> 3];
+    }
+    MeasureFacetPairs(pair_, &chunk_);
+    for (int k = 0; k < chunk_.count; ++k) {
+      if (!(chunk_.squared_distance[k] < best_)) continue;
+      best_ = chunk_.squared_distance[k];
+      found_.count = 1;
+      found_.slot_a[0] = chunk_.slot_a[k];
+      found_.slot_b[0] = chunk_.slot_b[k];
+      found_.s[0] = chunk_.s[k];
+      found_.t[0] = chunk_.t[k];
+      found_.code[0] = chunk_.code[k];
+    }
+  }
+
+  const PosedPair& pair_;
+  double best_;  // [m²]
+  FacetPairs chunk_, found_;
+};
+
+}  // namespace
+
+ClosestPair FindDistance(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
+                         double upper_bound) {
+  const PosedPair pair(A, B, X_AB);
+  Search search(pair, upper_bound);
+  search.Visit(0, 0);
+  return search.Result(upper_bound);
+}
+
+}  // namespace contact_toolkit

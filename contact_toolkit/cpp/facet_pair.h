@@ -1,0 +1,49 @@
+// Facet pairs between a kernel's raw answer (case, parameters) and a row of a result (witness points,
+// features, normal).
+#pragma once
+
+#include "mesh.h"
+#include "simd/kernels.h"
+#include "vec.h"
+
+namespace contact_toolkit {
+
+// Two meshes at a pose, with what the kernels need of it.
+struct PosedPair {
+  PosedPair(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB);
+
+  const CollisionMesh& A;
+  const CollisionMesh& B;
+  Pose X_AB;
+  double matrix[12];  // row-major rotation, then translation
+  CullPose cull;
+  double size;  // [m] largest coordinate in A: what rounding is relative to
+  const Kernels& kernels = ActiveKernels();
+};
+
+// Runs the fast kernel on the chunk, and the careful one on the pairs that need it.
+void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk);
+
+struct FeaturePair {
+  Feature a, b;
+  // Unlike for distinct keys; zero for none.
+  std::uint64_t key() const {
+    const auto pack = [](const Feature& f) {
+      return static_cast<std::uint64_t>(f.kind) << 30 | static_cast<std::uint32_t>(f.index);
+    };
+    return pack(a) << 32 | pack(b);
+  }
+};
+
+struct Witness {
+  double distance;
+  Vec3 p_ACa, p_ACb, normal_A;
+};
+
+// The features on which the closest points of entry k of a measured chunk lie.
+FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k);
+
+// Its closest points, their distance, and the direction from B towards A.
+Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k);
+
+}  // namespace contact_toolkit

@@ -1,0 +1,97 @@
+// Culling in single precision: eight boxes or facets of A against those of B, one by one. Included by
+// one source file per instruction set, inside an unnamed namespace.
+#pragma once
+
+#include "simd/kernels.h"
+#include "simd/lanes.h"
+
+namespace contact_toolkit {
+namespace {
+
+// Calls visit(j, squared lower bounds against all children of a) for each child j of b.
+template <class Visit>
+CT_INLINE void ForBoxes(const BvhNode& a, const BvhNode& b, const CullPose& X, Visit visit) {
+  // Boxes of b in A: centres, and half extents of the boxes around the turned boxes.
+  alignas(32) float center[3][8], half[3][8];
+  for (int i = 0; i < 3; ++i) {
+    Float8 c = Fill8(X.p[i]), h = Fill8(X.slack);
+    for (int k = 0; k < 3; ++k) {
+      c = c + X.R[i][k] * Load8(b.center[k]);
+      h = h + X.abs_R[i][k] * Load8(b.half[k]);
+    }
+    Store8(center[i], c);
+    Store8(half[i], h);
+  }
+  for (int j = 0; j < b.count; ++j) {
+    Float8 squared{};
+    for (int i = 0; i < 3; ++i) {
+      Float8 gap = Load8(a.center[i]) - center[i][j];
+      gap = Absolute(gap) - Load8(a.half[i]) - half[i][j];
+      gap = Most(gap, Float8{});
+      squared = squared + gap * gap;
+    }
+    visit(j, squared);
+  }
+}
+
+CT_INLINE std::uint64_t LanesUsed(int count) { return (std::uint64_t{1} << count) - 1; }
+
+std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float reach) {
+  std::uint64_t pairs = 0;
+  const Float8 most = Fill8(reach * reach * 1.0001f);
+  ForBoxes(a, b, X_AB, [&](int j, Float8 squared) {
+    pairs |= (Bits(squared <= most) & LanesUsed(a.count)) << (8 * j);
+  });
+  return pairs;
+}
+
+void BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float bound[64]) {
+  ForBoxes(a, b, X_AB, [&](int j, Float8 squared) {
+    Store8(bound + 8 * j, squared * 0.9999f);
+  });
+}
+
+std::uint64_t CullByPlanes(const FacetBlock& a, const FacetBlock& b, const CullPose& X,
+                           float reach, std::uint64_t pairs) {
+  const float limit = reach * 1.0001f + X.slack;
+  alignas(32) float corner[3][3][8], normal[3][8], offset[8];
+  for (int c = 0; c < 3; ++c) {
+    for (int i = 0; i < 3; ++i) {
+      Float8 v = Fill8(X.p[i]);
+      for (int k = 0; k < 3; ++k) v = v + X.R[i][k] * Load8(b.vertex[c][k]);
+      Store8(corner[c][i], v);
+    }
+  }
+  Float8 shift{};
+  for (int i = 0; i < 3; ++i) {
+    Float8 n{};
+    for (int k = 0; k < 3; ++k) n = n + X.R[i][k] * Load8(b.normal[k]);
+    Store8(normal[i], n);
+    shift = shift + n * Load8(corner[0][i]);
+  }
+  Store8(offset, shift);
+
+  std::uint64_t kept = 0;
+  for (int j = 0; j < 8; ++j) {
+    if ((pairs >> (8 * j) & 0xff) == 0) continue;
+    Float8 low_b{}, high_b{}, low_a{}, high_a{};
+    for (int c = 0; c < 3; ++c) {
+      // Corner c of the facets of a over facet j's plane, and corner c of facet j over theirs.
+      Float8 over_b = Fill8(-offset[j]), over_a = -Load8(a.offset);
+      for (int i = 0; i < 3; ++i) {
+        over_b = over_b + normal[i][j] * Load8(a.vertex[c][i]);
+        over_a = over_a + corner[c][i][j] * Load8(a.normal[i]);
+      }
+      low_b = c == 0 ? over_b : Least(low_b, over_b);
+      high_b = c == 0 ? over_b : Most(high_b, over_b);
+      low_a = c == 0 ? over_a : Least(low_a, over_a);
+      high_a = c == 0 ? over_a : Most(high_a, over_a);
+    }
+    const Float8 gap = Most(Most(low_b, -high_b), Most(low_a, -high_a));
+    kept |= Bits(gap <= Fill8(limit)) << (8 * j);
+  }
+  return pairs & kept;
+}
+
+}  // namespace
+}  // namespace contact_toolkit

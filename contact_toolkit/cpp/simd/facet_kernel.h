@@ -1,0 +1,218 @@
+// The distance between triangles, several pairs at once. Included by one source file per instruction
+// set, inside an unnamed namespace.
+//
+// The closest points lie on a corner and an edge (18 cases), inside two edges (9), on a corner and
+// inside a facet (6), or the facets cross (an edge pierces a facet: 6). The fast kernel solves edge
+// pairs with dot products and takes heights over planes for facet insides; where that loses accuracy
+// (thin facets, nearly parallel edges) it asks for the careful one, in which every candidate is a
+// pair of points of the two facets whose difference is measured, so that rounding of its parameters
+// enters the distance only to second order.
+#pragma once
+
+#include "simd/kernels.h"
+#include "simd/lanes.h"
+#include "tolerances.h"
+
+namespace contact_toolkit {
+namespace {
+
+constexpr int kEdgeBase[3] = {0, 1, 0};
+constexpr int kEdgeEnd[3] = {1, 2, 2};
+
+template <class V>
+struct Best {
+  V squared_distance, s, t, code;
+
+  template <class M>
+  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int code_new) {
+    const auto better = valid & (d2 < squared_distance);
+    squared_distance = Select(better, d2, squared_distance);
+    s = Select(better, s_new, s);
+    t = Select(better, t_new, t);
+    code = Select(better, Fill<V>(code_new), code);
+  }
+};
+
+template <class V, bool careful>
+CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
+  const V zero{}, one = Fill<V>(1);
+  Best<V> best{Fill<V>(1e300), zero, zero, zero};
+
+  Vec<V> r[3][3];  // from corner j of B to corner i of A
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) r[i][j] = A[i] - B[j];
+  }
+  Vec<V> da[3], db[3];
+  V aa[3], bb[3], inv_aa[3], inv_bb[3];
+  for (int e = 0; e < 3; ++e) {
+    da[e] = A[kEdgeEnd[e]] - A[kEdgeBase[e]];
+    db[e] = B[kEdgeEnd[e]] - B[kEdgeBase[e]];
+    aa[e] = Dot(da[e], da[e]);
+    bb[e] = Dot(db[e], db[e]);
+    inv_aa[e] = Select(aa[e] > zero, one / aa[e], zero);
+    inv_bb[e] = Select(bb[e] > zero, one / bb[e], zero);
+  }
+  // r · d for every corner against every edge of the other facet.
+  V rb[3][3], ra[3][3];  // rb[i][f] = (A_i − base of f) · db_f;  ra[j][e] = (base of e − B_j) · da_e
+  for (int i = 0; i < 3; ++i) {
+    for (int f = 0; f < 3; ++f) {
+      rb[i][f] = Dot(r[i][kEdgeBase[f]], db[f]);
+      ra[i][f] = Dot(r[kEdgeBase[f]][i], da[f]);
+    }
+  }
+
+  // Corners against edges.
+  const auto always = zero == zero;
+  for (int f = 0; f < 3; ++f) {
+    for (int i = 0; i < 3; ++i) {
+      const V t = Most(zero, Least(one, rb[i][f] * inv_bb[f]));
+      const Vec<V> v = r[i][kEdgeBase[f]] - t * db[f];
+      best.Offer(always, Dot(v, v), zero, t, kCornerEdge + 3 * i + f);
+    }
+    for (int j = 0; j < 3; ++j) {
+      const V s = Most(zero, Least(one, -ra[j][f] * inv_aa[f]));
+      const Vec<V> v = r[kEdgeBase[f]][j] + s * da[f];
+      best.Offer(always, Dot(v, v), s, zero, kEdgeCorner + 3 * j + f);
+    }
+  }
+
+  // Edges against edges.
+  auto needs_care = zero != zero;
+  for (int e = 0; e < 3; ++e) {
+    for (int f = 0; f < 3; ++f) {
+      const Vec<V>& r0 = r[kEdgeBase[e]][kEdgeBase[f]];
+      const V p = ra[kEdgeBase[f]][e], q = rb[kEdgeBase[e]][f];
+      const V ab = Dot(da[e], db[f]), scale = aa[e] * bb[f];
+      if constexpr (careful) {
+        const Vec<V> n = Cross(da[e], db[f]);
+        const V nn = Dot(n, n);
+        const auto valid = nn > Fill<V>(kParallel) * scale;
+        const V inverse = Select(valid, one / nn, zero);
+        V s = Most(zero, Least(one, -Dot(Cross(r0, db[f]), n) * inverse));
+        V t = Most(zero, Least(one, (q + s * ab) * inv_bb[f]));
+        s = Most(zero, Least(one, (t * ab - p) * inv_aa[e]));
+        const Vec<V> v = r0 + s * da[e] - t * db[f];
+        best.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+      } else {
+        const V nn = scale - ab * ab;
+        const V s_nn = ab * q - bb[f] * p, t_nn = aa[e] * q - ab * p;
+        needs_care = needs_care | ((nn < Fill<V>(kNearlyParallel) * scale) & (scale > zero));
+        const auto valid = (s_nn > zero) & (s_nn < nn) & (t_nn > zero) & (t_nn < nn);
+        const V inverse = one / nn;
+        const V s = s_nn * inverse, t = t_nn * inverse;
+        const Vec<V> v = r0 + s * da[e] - t * db[f];
+        best.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+      }
+    }
+  }
+
+  // Corners against insides. w[i][f]: on which side of edge f the foot of corner i lies.
+  const Vec<V> na = Cross(da[0], da[2]), nb = Cross(db[0], db[2]);
+  const V nna = Dot(na, na), nnb = Dot(nb, nb);
+  const V inv_nna = Select(nna > zero, one / nna, zero);
+  const V inv_nnb = Select(nnb > zero, one / nnb, zero);
+  V wb[3][3], wa[3][3], hb[3], ha[3];
+  for (int f = 0; f < 3; ++f) {
+    // Inwards: the third edge runs against the facet's sense of rotation.
+    const Vec<V> ma = f == 2 ? Cross(da[f], na) : Cross(na, da[f]);
+    const Vec<V> mb = f == 2 ? Cross(db[f], nb) : Cross(nb, db[f]);
+    for (int i = 0; i < 3; ++i) {
+      wb[i][f] = Dot(r[i][kEdgeBase[f]], mb);
+      wa[i][f] = -Dot(r[kEdgeBase[f]][i], ma);
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    hb[i] = Dot(r[i][0], nb);
+    ha[i] = -Dot(r[0][i], na);
+    const auto inside_b = (wb[i][0] > zero) & (wb[i][1] > zero) & (wb[i][2] > zero);
+    const auto inside_a = (wa[i][0] > zero) & (wa[i][1] > zero) & (wa[i][2] > zero);
+    if constexpr (careful) {
+      // Barycentric coordinates of the foot on edges 0 and 2, kept within the facet.
+      const V u = Most(zero, Least(one, wb[i][2] * inv_nnb));
+      const V w = Most(zero, Least(one - u, wb[i][0] * inv_nnb));
+      const Vec<V> v = r[i][0] - u * db[0] - w * db[2];
+      best.Offer(inside_b, Dot(v, v), u, w, kCornerInside + i);
+      const V ua = Most(zero, Least(one, wa[i][2] * inv_nna));
+      const V va = Most(zero, Least(one - ua, wa[i][0] * inv_nna));
+      const Vec<V> v2 = r[0][i] + ua * da[0] + va * da[2];
+      best.Offer(inside_a, Dot(v2, v2), ua, va, kInsideCorner + i);
+    } else {
+      best.Offer(inside_b, hb[i] * hb[i] * inv_nnb, zero, hb[i] * inv_nnb, kCornerFacet + i);
+      best.Offer(inside_a, ha[i] * ha[i] * inv_nna, ha[i] * inv_nna, zero, kFacetCorner + i);
+    }
+  }
+
+  // Crossing: corners i, k on either side of the other plane, and the point between them inside.
+  auto crossing = zero != zero;
+  for (int e = 0; e < 3; ++e) {
+    const int i = kEdgeBase[e], k = kEdgeEnd[e];
+    auto through_b = hb[i] * hb[k] < zero, through_a = ha[i] * ha[k] < zero;
+    const V bi = Absolute(hb[i]), bk = Absolute(hb[k]);
+    const V ai = Absolute(ha[i]), ak = Absolute(ha[k]);
+    for (int f = 0; f < 3; ++f) {
+      through_b = through_b & (bi * wb[k][f] + bk * wb[i][f] >= zero);
+      through_a = through_a & (ai * wa[k][f] + ak * wa[i][f] >= zero);
+    }
+    crossing = crossing | through_a | through_b;
+  }
+  best.squared_distance = Select(crossing, zero, best.squared_distance);
+  best.code = Select(crossing, Fill<V>(kCrossing), best.code);
+  if constexpr (!careful) {
+    best.code = Select(needs_care & !crossing, best.code + Fill<V>(kNeedsCare), best.code);
+  }
+  return best;
+}
+
+// Loads lane-wise: entry (corner, axis) of each lane's facet.
+template <class V, int lanes>
+CT_INLINE void LoadFacets(const double* coordinates, const std::int32_t* slots, Vec<V> (&P)[3]) {
+  for (int c = 0; c < 3; ++c) {
+    alignas(64) double x[lanes], y[lanes], z[lanes];
+    for (int k = 0; k < lanes; ++k) {
+      const double* p = coordinates + 9 * static_cast<std::int64_t>(slots[k]) + 3 * c;
+      x[k] = p[0], y[k] = p[1], z[k] = p[2];
+    }
+    __builtin_memcpy(&P[c].x, x, sizeof x);
+    __builtin_memcpy(&P[c].y, y, sizeof y);
+    __builtin_memcpy(&P[c].z, z, sizeof z);
+  }
+}
+
+template <int lanes, bool careful>
+void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPairs* pairs) {
+  using V = typename LanesOf<lanes>::Type;
+  // Fill the last batch up with copies of the last pair.
+  for (int k = pairs->count; k % lanes != 0; ++k) {
+    pairs->slot_a[k] = pairs->slot_a[pairs->count - 1];
+    pairs->slot_b[k] = pairs->slot_b[pairs->count - 1];
+  }
+  for (int first = 0; first < pairs->count; first += lanes) {
+    Vec<V> A[3], b_B[3], B[3];
+    LoadFacets<V, lanes>(a, pairs->slot_a + first, A);
+    LoadFacets<V, lanes>(b, pairs->slot_b + first, b_B);
+    for (int c = 0; c < 3; ++c) {
+      const Vec<V>& p = b_B[c];
+      B[c].x = X[0] * p.x + X[1] * p.y + X[2] * p.z + X[9];
+      B[c].y = X[3] * p.x + X[4] * p.y + X[5] * p.z + X[10];
+      B[c].z = X[6] * p.x + X[7] * p.y + X[8] * p.z + X[11];
+    }
+    const Best<V> best = FacetDistance<V, careful>(A, B);
+    __builtin_memcpy(pairs->squared_distance + first, &best.squared_distance, sizeof(V));
+    __builtin_memcpy(pairs->s + first, &best.s, sizeof(V));
+    __builtin_memcpy(pairs->t + first, &best.t, sizeof(V));
+    __builtin_memcpy(pairs->code + first, &best.code, sizeof(V));
+  }
+}
+
+template <int lanes>
+void FacetDistances(const double* a, const double* b, const double* X_AB, bool careful,
+                    FacetPairs* pairs) {
+  if (careful) {
+    FacetDistancesOf<lanes, true>(a, b, X_AB, pairs);
+  } else {
+    FacetDistancesOf<lanes, false>(a, b, X_AB, pairs);
+  }
+}
+
+}  // namespace
+}  // namespace contact_toolkit

@@ -1,0 +1,13 @@
+// The kernels for avx2: 4 lanes of doubles.
+#include "simd/box_kernel.h"
+#include "simd/facet_kernel.h"
+
+namespace contact_toolkit {
+
+const Kernels& Avx2Kernels() {
+  static constexpr Kernels kernels{"avx2",     4,           BoxPairs,
+                                   BoxBounds, CullByPlanes, FacetDistances<4>};
+  return kernels;
+}
+
+}  // namespace contact_toolkit

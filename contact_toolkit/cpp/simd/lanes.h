@@ -1,0 +1,94 @@
+// Vectors of doubles or floats by compiler extension, and the few operations they lack. A lane type of
+// one is plain double, so that the kernels' source is the same for all widths.
+// Everything is in an unnamed namespace: each instruction set must get code of its own.
+#pragma once
+
+#include <cstdint>
+
+namespace contact_toolkit {
+namespace {
+
+template <int n>
+struct LanesOf {
+  typedef double Type __attribute__((vector_size(8 * n)));
+};
+template <>
+struct LanesOf<1> {
+  using Type = double;
+};
+
+using Float8 = float __attribute__((vector_size(32)));
+using Mask8 = std::int32_t __attribute__((vector_size(32)));
+
+#define CT_INLINE inline __attribute__((always_inline))
+
+CT_INLINE double Select(bool mask, double a, double b) { return mask ? a : b; }
+template <class M, class V>
+CT_INLINE V Select(M mask, V a, V b) {
+  return mask ? a : b;
+}
+template <class V>
+CT_INLINE V Least(V a, V b) {
+  return Select(a < b, a, b);
+}
+template <class V>
+CT_INLINE V Most(V a, V b) {
+  return Select(a > b, a, b);
+}
+template <class V>
+CT_INLINE V Absolute(V a) {
+  return Select(a < V{} , -a, a);
+}
+// All lanes equal to x.
+template <class V>
+CT_INLINE V Fill(double x) {
+  return V{} + x;
+}
+CT_INLINE Float8 Fill8(float x) { return Float8{} + x; }
+
+CT_INLINE Float8 Load8(const float* p) {
+  Float8 v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+CT_INLINE void Store8(float* p, Float8 v) { __builtin_memcpy(p, &v, sizeof v); }
+
+// Bit k is set where lane k of a comparison holds.
+CT_INLINE std::uint64_t Bits(Mask8 mask) {
+#if defined(__AVX2__)
+  return static_cast<std::uint32_t>(
+      __builtin_ia32_movmskps256(reinterpret_cast<Float8>(mask)));
+#else
+  std::uint64_t bits = 0;
+  for (int k = 0; k < 8; ++k) bits |= static_cast<std::uint64_t>(mask[k] & 1) << k;
+  return bits;
+#endif
+}
+
+template <class V>
+struct Vec {
+  V x, y, z;
+};
+template <class V>
+CT_INLINE Vec<V> operator-(const Vec<V>& a, const Vec<V>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class V>
+CT_INLINE Vec<V> operator+(const Vec<V>& a, const Vec<V>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class V>
+CT_INLINE Vec<V> operator*(V s, const Vec<V>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class V>
+CT_INLINE V Dot(const Vec<V>& a, const Vec<V>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class V>
+CT_INLINE Vec<V> Cross(const Vec<V>& a, const Vec<V>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace
+}  // namespace contact_toolkit

@@ -1,0 +1,172 @@
+"""Distance, interference and witness pairs between two meshes at a relative pose.
+
+Every query takes `X_AB`, the pose of B in A as a (4, 4) homogeneous matrix, and answers in frame A.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_toolkit import _core
+from contact_toolkit.mesh import CollisionMesh, Floats, Ints
+
+VERTEX, EDGE, FACET = 0, 1, 2
+"""Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces."""
+
+_POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scales and shears
+
+
+@dataclass(frozen=True)
+class ClosestPair:
+    """The closest points of two meshes.
+
+    Attributes
+    ----------
+    distance
+        [m]; infinite when nothing lies below the upper bound asked for, and then no other field
+        means anything.
+    p_ACa, p_ACb
+        (3,) witness points on A and B, in A [m]; the same point where surfaces cross.
+    normal_A
+        (3,) unit vector from B towards A; by the facets' windings where the distance is zero.
+    facet_a, facet_b
+        The facets they lie on.
+    feature_a, feature_b
+        (kind, index), kind being `VERTEX`, `EDGE` or `FACET`.
+    """
+
+    distance: float
+    p_ACa: Floats
+    p_ACb: Floats
+    normal_A: Floats
+    facet_a: int
+    facet_b: int
+    feature_a: tuple[int, int]
+    feature_b: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class WitnessPairs:
+    """Facet pairs closer than a standoff, one row each; see `witness_pairs`.
+
+    Attributes
+    ----------
+    distance
+        (n,) [m]; 0 where facets cross.
+    p_ACa, p_ACb
+        (n, 3) witness points on A and B, in A [m]; the same point where facets cross.
+    normal_A
+        (n, 3) unit vectors from B towards A; by the facets' windings where the distance is zero.
+    facet_a, facet_b
+        (n,) the facets; of a merged row, those of the first pair found.
+    feature_a, feature_b
+        (n, 2) kind and index of the features the witness points lie on.
+    multiplicity
+        (n,) how many facet pairs the row stands for; 1 everywhere when not merged.
+    """
+
+    distance: Floats
+    p_ACa: Floats
+    p_ACb: Floats
+    normal_A: Floats
+    facet_a: Ints
+    facet_b: Ints
+    feature_a: Ints
+    feature_b: Ints
+    multiplicity: Ints
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+
+def distance(
+    A: CollisionMesh, B: CollisionMesh, X_AB: ArrayLike, *, upper_bound: float = np.inf
+) -> ClosestPair:
+    """Find the closest points of two meshes.
+
+    Distances are between surfaces: zero where they cross, positive where one body lies wholly inside
+    the other. Where several pairs are equally close, any one of them is returned, always the same.
+
+    Parameters
+    ----------
+    X_AB
+        (4, 4) pose of B in A.
+    upper_bound
+        [m]; pairs farther apart are of no interest, and the query may stop early. The answer is the
+        same as without it when the distance is below, and infinite otherwise.
+    """
+    if not upper_bound >= 0:
+        raise ValueError(f"upper_bound must be at least 0, not {upper_bound}")
+    return ClosestPair(**_core.distance(A._core, B._core, as_pose(X_AB), upper_bound))
+
+
+def intersects(A: CollisionMesh, B: CollisionMesh, X_AB: ArrayLike) -> bool:
+    """Tell whether any facet of A touches or crosses one of B.
+
+    Surfaces, not solids: a body wholly inside another does not intersect it.
+
+    Parameters
+    ----------
+    X_AB
+        (4, 4) pose of B in A.
+    """
+    return _core.intersects(A._core, B._core, as_pose(X_AB))
+
+
+def witness_pairs(
+    A: CollisionMesh,
+    B: CollisionMesh,
+    X_AB: ArrayLike,
+    standoff: float,
+    *,
+    merge: bool = True,
+    threads: int = 1,
+) -> WitnessPairs:
+    """Find every pair of facets at most `standoff` apart, with their closest points.
+
+    None is missed: the rows are those of a test of all facets of A against all of B. Their order is
+    fixed by the meshes and the pose alone, and the same on any number of threads.
+
+    Parameters
+    ----------
+    X_AB
+        (4, 4) pose of B in A.
+    standoff
+        [m], at least 0.
+    merge
+        Give one row, with its count as `multiplicity`, for all facet pairs whose closest points lie on
+        the same two features: two neighbouring facets whose closest point is their common vertex are
+        one contact, not two.
+    threads
+        Number of threads to work on.
+    """
+    if not (np.isfinite(standoff) and standoff >= 0):
+        raise ValueError(f"standoff must be a finite length of at least 0 m, not {standoff}")
+    if threads < 1:
+        raise ValueError(f"threads must be at least 1, not {threads}")
+    return WitnessPairs(
+        **_core.witness_pairs(A._core, B._core, as_pose(X_AB), standoff, merge, threads)
+    )
+
+
+def as_pose(X: ArrayLike, name: str = "X_AB") -> NDArray[np.float64]:
+    """Return a pose as a contiguous (4, 4) array; raise ValueError unless it is a rigid transform."""
+    pose = np.ascontiguousarray(X, dtype=np.float64)
+    if pose.shape != (4, 4):
+        raise ValueError(f"{name} must be a (4, 4) homogeneous matrix, not of shape {pose.shape}")
+    if not np.isfinite(pose).all():
+        raise ValueError(f"{name} has an entry that is not finite")
+    R = pose[:3, :3]
+    if (
+        abs(R @ R.T - np.eye(3)).max() > _POSE_TOLERANCE
+        or np.linalg.det(R) < 0
+        or (pose[3] != (0, 0, 0, 1)).any()
+    ):
+        raise ValueError(
+            f"{name} is not a rigid transform: its upper left block must be a rotation and its last "
+            f"row 0 0 0 1; found\n{pose}"
+        )
+    return pose
