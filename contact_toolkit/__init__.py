@@ -11,6 +11,7 @@ from contact_toolkit.queries import (
     intersects,
     witness_pairs,
 )
+from contact_toolkit.queries_point import SignedDistances, signed_distance
 
 __all__ = [
     "EDGE",
@@ -20,8 +21,10 @@ __all__ = [
     "CollisionMesh",
     "MeshDefects",
     "MeshError",
+    "SignedDistances",
     "WitnessPairs",
     "distance",
     "intersects",
+    "signed_distance",
     "witness_pairs",
 ]

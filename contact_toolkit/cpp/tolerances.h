@@ -34,4 +34,8 @@ inline constexpr double kOnFeature = 1e-9;
 // rounding, and gives no direction.
 inline constexpr double kTouching = 1e-14;
 
+// [-] A point closer to an edge or vertex than this share of the mesh's size is on it: the direction
+// from the closest point is then round-off, and the pseudonormal stands in.
+inline constexpr double kOnSurface = 1e-13;
+
 }  // namespace contact_toolkit

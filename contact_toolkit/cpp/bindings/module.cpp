@@ -7,6 +7,7 @@
 
 namespace contact_toolkit {
 void BindMesh(nanobind::module_& m);
+void BindPoint(nanobind::module_& m);
 void BindWitness(nanobind::module_& m);
 }  // namespace contact_toolkit
 
@@ -14,4 +15,5 @@ NB_MODULE(_core, m) {
   m.doc() = "The native core of the contact toolkit.";
   contact_toolkit::BindMesh(m);
   contact_toolkit::BindWitness(m);
+  contact_toolkit::BindPoint(m);
 }

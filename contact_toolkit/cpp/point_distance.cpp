@@ -1,0 +1,240 @@
+#include "point_distance.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "tolerances.h"
+
+namespace contact_toolkit {
+namespace {
+
+// The point in the hierarchy's coordinates, with what single precision may be wrong by.
+struct Query {
+  explicit Query(const Bvh& bvh, const Vec3& p) {
+    const Vec3 local = p - bvh.origin;
+    for (int i = 0; i < 3; ++i) position[i] = static_cast<float>(local[i]);
+    const double far = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+    slack = static_cast<float>(kCullingSlack * (far + bvh.size));
+  }
+  float position[3];
+  float slack;
+};
+
+// Four lanes at a time: what every x86-64 and ARM CPU has. (GCC 12 does not vectorise the plain
+// loops, and splits wider vectors into single lanes where the CPU has none; both cost threefold.)
+using Lanes = float __attribute__((vector_size(16)));
+constexpr int kLanes = 4;
+static_assert(kBvhWidth % kLanes == 0);
+
+Lanes Load(const float* from) {
+  Lanes v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+Lanes Max(Lanes a, Lanes b) { return a > b ? a : b; }
+Lanes Abs(Lanes a) { return Max(a, -a); }
+
+// Lower bounds of the squared distances to the children's boxes; infinite for unused lanes.
+void BoundBoxes(const BvhNode& node, const Query& query, float* bounds) {
+  for (int k = 0; k < kBvhWidth; k += kLanes) {
+    Lanes sum{};
+    for (int i = 0; i < 3; ++i) {
+      const Lanes beyond =
+          Abs(query.position[i] - Load(node.center[i] + k)) - Load(node.half[i] + k) - query.slack;
+      const Lanes outside = Max(beyond, Lanes{});
+      sum += outside * outside;
+    }
+    std::memcpy(bounds + k, &sum, sizeof sum);
+  }
+}
+
+// Raises the bounds to those of the squared distances to the facets' planes.
+void BoundPlanes(const FacetBlock& block, const Query& query, float* bounds) {
+  for (int k = 0; k < kBvhWidth; k += kLanes) {
+    Lanes height = -Load(block.offset + k);
+    for (int i = 0; i < 3; ++i) height += Load(block.normal[i] + k) * query.position[i];
+    const Lanes outside = Max(Abs(height) - query.slack, Lanes{});
+    const Lanes raised = Max(Load(bounds + k), outside * outside);
+    std::memcpy(bounds + k, &raised, sizeof raised);
+  }
+}
+
+class Search {
+ public:
+  Search(const Bvh& bvh, const Vec3& p, double squared_bound) : bvh_(bvh), p_(p) {
+    best_.squared_distance = squared_bound;
+    Tighten();
+  }
+
+  void Run() {
+    const Query query(bvh_, p_);
+    Entry shallow[kStack];
+    std::unique_ptr<Entry[]> deep;
+    const int needed = bvh_.depth * (kBvhWidth - 1) + kBvhWidth;
+    if (needed > kStack) deep.reset(new Entry[needed]);
+    Entry* const stack = deep ? deep.get() : shallow;
+    int size = 0;
+    stack[size++] = {0, 0};
+    while (size > 0) {
+      const Entry entry = stack[--size];
+      if (entry.bound > limit_) continue;
+      const BvhNode& node = bvh_.nodes[entry.index];
+      float bounds[kBvhWidth];
+      BoundBoxes(node, query, bounds);
+      if (node.bottom()) BoundPlanes(bvh_.blocks[node.block], query, bounds);
+      // The children worth a visit, the furthest first.
+      Entry* const first = stack + size;
+      Entry* last = first;
+      for (int k = 0; k < node.count; ++k) {
+        const float bound = bounds[k];
+        if (bound > limit_) continue;
+        Entry* at = last++;
+        for (; at > first && at[-1].bound < bound; --at) *at = at[-1];
+        *at = {bound, node.child[k]};
+      }
+      if (node.bottom()) {
+        while (last > first) {
+          const Entry facet = *--last;
+          if (!(facet.bound > limit_)) Try(facet.index);
+        }
+      }
+      size = static_cast<int>(last - stack);
+    }
+  }
+
+  // Takes the facet of a slot if it is closer than the best, or as close and of a lower index.
+  void Try(std::int32_t slot) {
+    const double* c = bvh_.slot_coordinates.data() + 9 * static_cast<std::size_t>(slot);
+    const Vec3 corner[3] = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}};
+    if (TryInside(slot, corner) && !bvh_.slot_thin[slot]) return;
+    TryEdge(slot, corner[0], corner[1], 0b001, 0b010);
+    TryEdge(slot, corner[0], corner[2], 0b001, 0b100);
+    TryEdge(slot, corner[1], corner[2], 0b010, 0b100);
+  }
+
+  ClosestPoint Take() const { return best_.slot < 0 ? ClosestPoint{} : best_; }
+
+ private:
+  struct Entry {
+    float bound;
+    std::int32_t index;
+  };
+  static constexpr int kStack = 16 * kBvhWidth;  // more than a million facets need
+
+  bool TryInside(std::int32_t slot, const Vec3 corner[3]) {
+    const Vec3 u = corner[1] - corner[0], v = corner[2] - corner[0], w = p_ - corner[0];
+    const Vec3 n = Cross(u, v);
+    const double whole = SquaredNorm(n);
+    const double along_u = Dot(n, Cross(w, v)), along_v = Dot(n, Cross(u, w));
+    if (!(along_u > 0 && along_v > 0 && along_u + along_v < whole)) return false;
+    // A point of the facet even where the plane is inaccurate, so never too close.
+    const Vec3 foot = corner[0] + (along_u / whole) * u + (along_v / whole) * v;
+    Keep(slot, foot, SquaredNorm(p_ - foot), 0b111);
+    return true;
+  }
+
+  // Corners come in ascending order of their vertices, so both facets of an edge compute the same
+  // bits.
+  void TryEdge(std::int32_t slot, const Vec3& a, const Vec3& b, std::uint8_t bit_a,
+               std::uint8_t bit_b) {
+    const Vec3 u = b - a, from_a = p_ - a;
+    const double along = Dot(from_a, u), whole = SquaredNorm(u);
+    if (!(along > 0)) {
+      Keep(slot, a, SquaredNorm(from_a), bit_a);
+    } else if (!(along < whole)) {
+      Keep(slot, b, SquaredNorm(p_ - b), bit_b);
+    } else {
+      const Vec3 foot = a + (along / whole) * u;
+      Keep(slot, foot, SquaredNorm(p_ - foot), bit_a | bit_b);
+    }
+  }
+
+  void Keep(std::int32_t slot, const Vec3& point, double squared, std::uint8_t corners) {
+    if (squared > best_.squared_distance) return;
+    const bool closer = squared < best_.squared_distance;
+    if (!closer && best_.slot >= 0 && bvh_.slot_facet[best_.slot] <= bvh_.slot_facet[slot]) return;
+    best_ = {squared, point, slot, corners};
+    if (closer) Tighten();
+  }
+
+  // The squared distance rounded up, so that a facet as close as the best is still looked at.
+  void Tighten() { limit_ = static_cast<float>(best_.squared_distance) * (1 + 1e-6f); }
+
+  const Bvh& bvh_;
+  const Vec3 p_;
+  ClosestPoint best_;
+  float limit_;
+};
+
+// The edge of a facet joining two of its vertices.
+std::int32_t EdgeBetween(const CollisionMesh& mesh, std::int32_t facet, std::int32_t a,
+                         std::int32_t b) {
+  for (const std::int32_t edge : mesh.face_edges()[facet]) {
+    const auto& ends = mesh.edges()[edge];
+    if (ends[0] == std::min(a, b) && ends[1] == std::max(a, b)) return edge;
+  }
+  return mesh.face_edges()[facet][0];  // a facet that repeats a vertex
+}
+
+}  // namespace
+
+ClosestPoint FindClosestPoint(const Bvh& bvh, const Vec3& p, double squared_bound,
+                              std::int32_t hint_slot) {
+  Search search(bvh, p, squared_bound);
+  if (hint_slot >= 0) search.Try(hint_slot);
+  search.Run();
+  return search.Take();
+}
+
+Feature FeatureOf(const CollisionMesh& mesh, const ClosestPoint& closest) {
+  const auto& vertices = mesh.bvh().slot_vertices[closest.slot];
+  const std::int32_t facet = mesh.bvh().slot_facet[closest.slot];
+  switch (std::popcount(closest.corners)) {
+    case 1:
+      return {FeatureKind::kVertex, vertices[std::countr_zero(closest.corners)]};
+    case 2: {
+      const int low = std::countr_zero(closest.corners);
+      const int high = std::bit_width(closest.corners) - 1;
+      return {FeatureKind::kEdge, EdgeBetween(mesh, facet, vertices[low], vertices[high])};
+    }
+    default:
+      return {FeatureKind::kFacet, facet};
+  }
+}
+
+SignedDistance SignOf(const CollisionMesh& mesh, const Vec3& p, const ClosestPoint& closest) {
+  SignedDistance result;
+  result.slot = closest.slot;
+  result.facet = mesh.bvh().slot_facet[closest.slot];
+  result.point = closest.point;
+  result.feature = FeatureOf(mesh, closest);
+  const auto [kind, index] = result.feature;
+  const double distance = std::sqrt(closest.squared_distance);
+  if (kind == FeatureKind::kFacet) {
+    // Linear in p, unlike the distance to the rounded foot; only a thin facet's plane is worse.
+    result.gradient = mesh.face_normals()[index];
+    const double height = Dot(p - mesh.vertices()[mesh.faces()[index][0]], result.gradient);
+    result.distance = mesh.bvh().slot_thin[closest.slot] ? std::copysign(distance, height) : height;
+    return result;
+  }
+  const Vec3& normal =
+      kind == FeatureKind::kVertex ? mesh.vertex_normals()[index] : mesh.edge_normals()[index];
+  const Vec3 offset = p - closest.point;
+  const double sign = Dot(offset, normal) < 0 ? -1 : 1;
+  result.distance = sign * distance;
+  // The offset's direction is noise where its length is.
+  const bool on_surface = !(distance > kOnSurface * mesh.bvh().size);
+  result.gradient = on_surface ? Normalized(normal) : (sign / distance) * offset;
+  return result;
+}
+
+SignedDistance FindSignedDistance(const CollisionMesh& mesh, const Vec3& p,
+                                  std::int32_t hint_slot) {
+  return SignOf(
+      mesh, p, FindClosestPoint(mesh.bvh(), p, std::numeric_limits<double>::infinity(), hint_slot));
+}
+
+}  // namespace contact_toolkit
