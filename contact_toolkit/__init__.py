@@ -1,5 +1,6 @@
 """Distance queries and contact forces between arbitrarily shaped bodies; needs no simulator."""
 
+from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
     EDGE,
@@ -19,6 +20,7 @@ __all__ = [
     "VERTEX",
     "ClosestPair",
     "CollisionMesh",
+    "FloatingBodies",
     "MeshDefects",
     "MeshError",
     "SignedDistances",

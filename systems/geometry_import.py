@@ -15,7 +15,7 @@ from pydrake.geometry import (
     GeometryId,
     HalfSpace,
     Mesh,
-    SceneGraphInspector,
+    SceneGraph,
     Shape,
     Sphere,
 )
@@ -44,7 +44,7 @@ class ImportedGeometry:
     mesh
         In the geometry's frame; shared between geometries of equal shape.
     material
-        What its proximity properties say.
+        What its proximity properties say it is made of.
     """
 
     geometry_id: GeometryId
@@ -60,9 +60,8 @@ class GeometryImporter:
 
     Parameters
     ----------
-    plant, inspector
-        The plant, and its SceneGraph's `model_inspector()` (a context's inspector would show
-        Drake's default properties as if they had been given).
+    plant, scene_graph
+        The plant, finalized, and the SceneGraph it is registered with.
     tessellation_tolerance
         How far facets may lie inside a curved surface, relative to its radius.
     half_space_reach
@@ -72,13 +71,15 @@ class GeometryImporter:
     def __init__(
         self,
         plant: MultibodyPlant,
-        inspector: SceneGraphInspector,
+        scene_graph: SceneGraph,
         *,
         tessellation_tolerance: float = 0.005,
         half_space_reach: float = 100.0,
     ) -> None:
         self._plant = plant
-        self._inspector = inspector
+        # The model's inspector: a context's would show defaults as if they had been given.
+        self._inspector = scene_graph.model_inspector()
+        self._defaults = scene_graph.get_config().default_proximity_properties
         self._tolerance = tessellation_tolerance
         self._reach = half_space_reach
         self._meshes: dict[tuple[object, ...], CollisionMesh] = {}
@@ -105,7 +106,9 @@ class GeometryImporter:
             body=body,
             X_BG=self._inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
             mesh=mesh,
-            material=read_material(self._inspector.GetProximityProperties(geometry)),
+            material=read_material(
+                self._inspector.GetProximityProperties(geometry), self._defaults
+            ),
         )
 
     def _mesh_of(self, geometry: GeometryId) -> CollisionMesh:

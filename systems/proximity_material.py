@@ -1,56 +1,61 @@
-"""Contact parameters that a model's proximity properties carry."""
+"""Contact parameters that a model already carries in its proximity properties."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
-from pydrake.geometry import ProximityProperties
+from pydrake.geometry import DefaultProximityProperties, ProximityProperties
 
 
 @dataclass(frozen=True)
 class ProximityMaterial:
-    """What a geometry is tagged with; None where it is not.
+    """What Drake's own contact would take a geometry to be made of.
 
     Attributes
     ----------
     static_friction, dynamic_friction
         Coulomb coefficients.
     dissipation
-        Hunt-Crossley dissipation d [s/m].
+        Hunt-Crossley dissipation [s/m].
     modulus
         Hydroelastic modulus [Pa]; infinite for a rigid hydroelastic geometry.
     point_stiffness
         Point contact stiffness [N/m].
     """
 
-    static_friction: float | None = None
-    dynamic_friction: float | None = None
-    dissipation: float | None = None
-    modulus: float | None = None
-    point_stiffness: float | None = None
+    static_friction: float
+    dynamic_friction: float
+    dissipation: float
+    modulus: float
+    point_stiffness: float
 
 
-def read_material(properties: ProximityProperties) -> ProximityMaterial:
-    """Read the properties that bear on contact."""
+def read_material(
+    properties: ProximityProperties, defaults: DefaultProximityProperties
+) -> ProximityMaterial:
+    """Read the properties that bear on contact; what is missing comes from SceneGraph's defaults."""
 
-    def number(group: str, name: str) -> float | None:
-        if not properties.HasProperty(group, name):
-            return None
-        return float(properties.GetProperty(group, name))
+    def read(group: str, name: str, default: Any) -> Any:
+        return properties.GetPropertyOrDefault(group, name, default)
 
-    friction = (
-        properties.GetProperty("material", "coulomb_friction")
-        if properties.HasProperty("material", "coulomb_friction")
-        else None
-    )
-    modulus = number("hydroelastic", "hydroelastic_modulus")
-    if modulus is None and properties.HasProperty("hydroelastic", "compliance_type"):
-        modulus = math.inf  # the compliance type itself is not readable from Python
+    # A default that is itself unset means no friction, no loss, no give.
+    static, dynamic = defaults.static_friction or 0.0, defaults.dynamic_friction or 0.0
+    if properties.HasProperty("material", "coulomb_friction"):
+        friction = properties.GetProperty("material", "coulomb_friction")
+        static, dynamic = friction.static_friction(), friction.dynamic_friction()
+    # The compliance type is not readable from Python; only rigid geometry has one and no modulus.
+    rigid = properties.HasProperty("hydroelastic", "compliance_type")
+    modulus = math.inf if rigid else defaults.hydroelastic_modulus or math.inf
     return ProximityMaterial(
-        static_friction=friction.static_friction() if friction else None,
-        dynamic_friction=friction.dynamic_friction() if friction else None,
-        dissipation=number("material", "hunt_crossley_dissipation"),
-        modulus=modulus,
-        point_stiffness=number("material", "point_contact_stiffness"),
+        static_friction=static,
+        dynamic_friction=dynamic,
+        dissipation=read(
+            "material", "hunt_crossley_dissipation", defaults.hunt_crossley_dissipation or 0.0
+        ),
+        modulus=read("hydroelastic", "hydroelastic_modulus", modulus),
+        point_stiffness=read(
+            "material", "point_contact_stiffness", defaults.point_stiffness or math.inf
+        ),
     )

@@ -10,6 +10,8 @@ import pytest
 from pydrake.common import MemoryFile
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
     Box,
     Capsule,
     Convex,
@@ -19,6 +21,7 @@ from pydrake.geometry import (
     InMemoryMesh,
     Mesh,
     ProximityProperties,
+    SceneGraphConfig,
     Shape,
     Sphere,
 )
@@ -29,6 +32,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from contact_toolkit import CollisionMesh, MeshError
 from systems.geometry_import import GeometryImporter, ImportedGeometry
+from systems.proximity_material import ProximityMaterial
 
 X_BG = RigidTransform(RollPitchYaw(0.1, 0.2, 0.3), [1.0, 2.0, 3.0])
 
@@ -81,9 +85,7 @@ def imported(
         properties.AddProperty("material", "coulomb_friction", CoulombFriction(0.6, 0.4))
     geometry = plant.RegisterCollisionGeometry(body, X_BG, shape, "shape", properties)
     plant.Finalize()
-    importer = GeometryImporter(
-        plant, scene_graph.model_inspector(), tessellation_tolerance=tolerance
-    )
+    importer = GeometryImporter(plant, scene_graph, tessellation_tolerance=tolerance)
     return importer.read(geometry)
 
 
@@ -227,15 +229,32 @@ def test_pose_body_and_properties_are_read():
     assert int(geometry.body) == 1
     assert geometry.material.static_friction == 0.6
     assert geometry.material.dynamic_friction == 0.4
-    # Drake's defaults live in contexts only: an untagged geometry must not look tagged.
-    assert geometry.material.dissipation is None
-    assert geometry.material.modulus is None
-    assert geometry.material.point_stiffness is None
+
+
+def test_untagged_geometry_is_what_drake_would_take_it_to_be():
+    material = imported(Box(1, 1, 1)).material
+    default = SceneGraphConfig().default_proximity_properties
+    assert material.dissipation == default.hunt_crossley_dissipation
+    assert material.modulus == default.hydroelastic_modulus
+    assert material.point_stiffness == default.point_stiffness
+
+
+def test_tagged_geometry_keeps_its_tags():
+    properties = ProximityProperties()
+    AddContactMaterial(
+        dissipation=3.0,
+        point_stiffness=4e5,
+        friction=CoulombFriction(0.6, 0.4),
+        properties=properties,
+    )
+    AddCompliantHydroelasticProperties(0.1, 1e6, properties)
+    material = imported(Box(1, 1, 1), properties).material
+    assert material == ProximityMaterial(
+        0.6, 0.4, dissipation=3.0, modulus=1e6, point_stiffness=4e5
+    )
 
 
 def test_rigid_hydroelastic_geometry_is_infinitely_stiff():
-    from pydrake.geometry import AddRigidHydroelasticProperties
-
     properties = ProximityProperties()
     AddRigidHydroelasticProperties(0.1, properties)
     assert imported(Box(1, 1, 1), properties).material.modulus == math.inf
@@ -255,7 +274,7 @@ def test_equal_shapes_share_one_mesh(tmp_path: Path):
         for i, shape in enumerate(shapes)
     ]
     plant.Finalize()
-    importer = GeometryImporter(plant, scene_graph.model_inspector())
+    importer = GeometryImporter(plant, scene_graph)
     meshes = [importer.read(geometry).mesh for geometry in ids]
     assert meshes[0] is meshes[1]
     assert meshes[3] is meshes[4]

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 namespace contact_toolkit {
+void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
 void BindPoint(nanobind::module_& m);
 void BindWitness(nanobind::module_& m);
@@ -16,4 +17,5 @@ NB_MODULE(_core, m) {
   contact_toolkit::BindMesh(m);
   contact_toolkit::BindWitness(m);
   contact_toolkit::BindPoint(m);
+  contact_toolkit::BindFloatingBodies(m);
 }
