@@ -1,6 +1,7 @@
 #include "mesh.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <tuple>
 #include <unordered_map>
@@ -23,6 +24,12 @@ struct VertexHash {
     return hash;
   }
 };
+
+std::string Short(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", x);
+  return text;
+}
 
 std::string Describe(const char* what, std::size_t index) {
   return std::string(what) + " " + std::to_string(index);
@@ -53,8 +60,9 @@ void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple>
     for (const std::int32_t v : faces[f]) {
       if (v < 0 || v >= count) {
         throw MeshError(Describe("facet", f) + " refers to vertex " + std::to_string(v) +
-                        ", but the mesh has vertices 0 to " + std::to_string(count - 1) +
-                        "; indices count from 0");
+                        (count == 0 ? ", but the mesh has no vertices"
+                                    : ", but the mesh has vertices 0 to " +
+                                          std::to_string(count - 1) + "; indices count from 0"));
       }
     }
   }
@@ -66,7 +74,7 @@ void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple>
           const char* found = std::isnan(x) ? "NaN" : std::isinf(x) ? "infinite" : nullptr;
           throw MeshError(Describe("vertex", v) + " of " + Describe("facet", f) + " has " +
                           (found ? "a coordinate that is " + std::string(found)
-                                 : "a coordinate of magnitude " + std::to_string(std::abs(x)) +
+                                 : "a coordinate of magnitude " + Short(std::abs(x)) +
                                        " m, beyond the limit of 1e15 m") +
                           "; remove the facet or mend the exporter");
         }
@@ -98,8 +106,9 @@ void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple>
     }
   }
   if (!(diagonal() >= kMinExtent)) {
-    throw MeshError("the mesh is " + std::to_string(diagonal()) +
-                    " m across: all facets meet in one point (smaller than 1e-15 m); check the scale");
+    throw MeshError("the mesh is " + Short(diagonal()) +
+                    " m across, less than the limit of 1e-15 m: its facets meet in one point; "
+                    "check the scale");
   }
 }
 

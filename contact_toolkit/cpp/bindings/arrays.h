@@ -59,9 +59,9 @@ template <typename E, typename T>
 nb::object ViewOf(const std::vector<T>& values, std::size_t columns, nb::handle owner) {
   const E* data = reinterpret_cast<const E*>(values.data());
   if (columns == 0) {
-    return nb::cast(nb::ndarray<nb::numpy, const E>(data, {values.size()}, owner));
+    return nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, {values.size()}, owner));
   }
-  return nb::cast(nb::ndarray<nb::numpy, const E>(data, {values.size(), columns}, owner));
+  return nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, {values.size(), columns}, owner));
 }
 
 }  // namespace contact_toolkit
