@@ -35,32 +35,62 @@ Feature OnEdge(const CollisionMesh& mesh, int slot, int edge, double s) {
   return {FeatureKind::kEdge, mesh.slot_edges()[slot][edge]};
 }
 
-// The feature under the foot of point p on the facet's plane, p being over its inside.
-Feature UnderPoint(const CollisionMesh& mesh, int slot, const Corners& c, const Vec3& p) {
-  const Vec3 d0 = c.p[1] - c.p[0], d2 = c.p[2] - c.p[0], r = p - c.p[0];
-  const Vec3 n = Cross(d0, d2);
-  const double nn = SquaredNorm(n);
-  const double w1 = Dot(Cross(r, d2), n) / nn, w2 = Dot(Cross(d0, r), n) / nn;
-  const double w[3] = {1 - w1 - w2, w1, w2};
+// At barycentric coordinates (1 - u - w, u, w).
+Feature OnFacet(const CollisionMesh& mesh, int slot, double u, double w) {
+  const double weight[3] = {1 - u - w, u, w};
   for (int k = 0; k < 3; ++k) {
-    if (w[k] >= 1 - kOnFeature) return Corner(mesh, slot, k);
+    if (weight[k] >= 1 - kOnFeature) return Corner(mesh, slot, k);
   }
-  // Edge opposite corner 0 is edge 1, opposite 1 is 2, opposite 2 is 0.
+  // Edge 1 is opposite corner 0, edge 2 opposite corner 1, edge 0 opposite corner 2.
   for (int k = 0; k < 3; ++k) {
-    if (w[k] <= kOnFeature) return {FeatureKind::kEdge, mesh.slot_edges()[slot][(k + 1) % 3]};
+    if (weight[k] <= kOnFeature) return {FeatureKind::kEdge, mesh.slot_edges()[slot][(k + 1) % 3]};
   }
   return {FeatureKind::kFacet, mesh.bvh().slot_facet[slot]};
 }
 
-Vec3 Inside(const Corners& c, double u, double w) {
-  return c.p[0] + u * (c.p[1] - c.p[0]) + w * (c.p[2] - c.p[0]);
-}
+// Corner `base`, or the point at share s of the way to corner `end`.
+struct Spot {
+  int base, end;
+};
 
-// On an edge; its ends exactly.
-Vec3 Along(const Corners& c, int edge, double s) {
-  const Vec3 &a = c.p[kBase[edge]], &b = c.p[kEnd[edge]];
-  return s <= 0 ? a : s >= 1 ? b : a + s * (b - a);
-}
+// Where the closest points of codes below kCornerFacet lie: on A at share s, on B at share t.
+constexpr struct {
+  Spot a, b;
+} kSpots[kCornerFacet] = {
+    // Edge and edge.
+    {{0, 1}, {0, 1}},
+    {{0, 1}, {1, 2}},
+    {{0, 1}, {0, 2}},
+    {{1, 2}, {0, 1}},
+    {{1, 2}, {1, 2}},
+    {{1, 2}, {0, 2}},
+    {{0, 2}, {0, 1}},
+    {{0, 2}, {1, 2}},
+    {{0, 2}, {0, 2}},
+    // Corner of A and edge of B.
+    {{0, 0}, {0, 1}},
+    {{0, 0}, {1, 2}},
+    {{0, 0}, {0, 2}},
+    {{1, 1}, {0, 1}},
+    {{1, 1}, {1, 2}},
+    {{1, 1}, {0, 2}},
+    {{2, 2}, {0, 1}},
+    {{2, 2}, {1, 2}},
+    {{2, 2}, {0, 2}},
+    // Edge of A and corner of B.
+    {{0, 1}, {0, 0}},
+    {{1, 2}, {0, 0}},
+    {{0, 2}, {0, 0}},
+    {{0, 1}, {1, 1}},
+    {{1, 2}, {1, 1}},
+    {{0, 2}, {1, 1}},
+    {{0, 1}, {2, 2}},
+    {{1, 2}, {2, 2}},
+    {{0, 2}, {2, 2}},
+};
+
+// The ends of an edge exactly, whatever the rounding of a + (b - a).
+Vec3 Between(const Vec3& a, const Vec3& b, double s) { return s >= 1 ? b : a + s * (b - a); }
 
 // Adds the points where edges of P pierce the facet Q.
 void AddPiercings(const Corners& P, const Corners& Q, Vec3* points, int* count) {
@@ -178,50 +208,39 @@ FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
     const int c = code - kEdgeCorner;
     return {OnEdge(A, a, c % 3, s), Corner(B, b, c / 3)};
   }
-  if (code == kCrossing) {
-    return {{FeatureKind::kFacet, A.bvh().slot_facet[a]},
-            {FeatureKind::kFacet, B.bvh().slot_facet[b]}};
-  }
-  const int corner = (code - kCornerFacet) % 3;
-  const bool of_a = (code - kCornerFacet) / 3 % 2 == 0;
-  const Corners ca = CornersOf(A.bvh(), a), cb = CornersInA(pair, b);
-  return of_a ? FeaturePair{Corner(A, a, corner), UnderPoint(B, b, cb, ca.p[corner])}
-              : FeaturePair{UnderPoint(A, a, ca, cb.p[corner]), Corner(B, b, corner)};
+  if (code < kFacetCorner) return {Corner(A, a, code - kCornerFacet), OnFacet(B, b, s, t)};
+  if (code < kCrossing) return {OnFacet(A, a, s, t), Corner(B, b, code - kFacetCorner)};
+  return {{FeatureKind::kFacet, A.bvh().slot_facet[a]},
+          {FeatureKind::kFacet, B.bvh().slot_facet[b]}};
 }
 
 Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
   const int a = chunk.slot_a[k], b = chunk.slot_b[k], code = static_cast<int>(chunk.code[k]);
   const double s = chunk.s[k], t = chunk.t[k];
-  const Corners ca = CornersOf(pair.A.bvh(), a), cb = CornersInA(pair, b);
+  const auto* of_a =
+      reinterpret_cast<const Vec3*>(&pair.A.bvh().slot_coordinates[9 * std::size_t(a)]);
+  const auto* of_b =
+      reinterpret_cast<const Vec3*>(&pair.B.bvh().slot_coordinates[9 * std::size_t(b)]);
+  const auto in_a = [&](int corner) { return pair.X_AB * of_b[corner]; };
   Witness w;
-  if (code < kCornerEdge) {
-    w.p_ACa = Along(ca, code / 3, s);
-    w.p_ACb = Along(cb, code % 3, t);
-  } else if (code < kEdgeCorner) {
-    w.p_ACa = ca.p[(code - kCornerEdge) / 3];
-    w.p_ACb = Along(cb, (code - kCornerEdge) % 3, t);
-  } else if (code < kCornerFacet) {
-    w.p_ACa = Along(ca, (code - kEdgeCorner) % 3, s);
-    w.p_ACb = cb.p[(code - kEdgeCorner) / 3];
+  if (code < kCornerFacet) {
+    const auto& spots = kSpots[code];
+    w.p_ACa = Between(of_a[spots.a.base], of_a[spots.a.end], s);
+    w.p_ACb = Between(in_a(spots.b.base), in_a(spots.b.end), t);
   } else if (code < kFacetCorner) {
-    w.p_ACa = ca.p[code - kCornerFacet];
-    w.p_ACb = w.p_ACa - t * Cross(cb.p[1] - cb.p[0], cb.p[2] - cb.p[0]);
-  } else if (code < kCornerInside) {
-    w.p_ACb = cb.p[code - kFacetCorner];
-    w.p_ACa = w.p_ACb - s * Cross(ca.p[1] - ca.p[0], ca.p[2] - ca.p[0]);
-  } else if (code < kInsideCorner) {
-    w.p_ACa = ca.p[code - kCornerInside];
-    w.p_ACb = Inside(cb, s, t);
+    const Vec3 b0 = in_a(0);
+    w.p_ACa = of_a[code - kCornerFacet];
+    w.p_ACb = b0 + s * (in_a(1) - b0) + t * (in_a(2) - b0);
   } else if (code < kCrossing) {
-    w.p_ACa = Inside(ca, s, t);
-    w.p_ACb = cb.p[code - kInsideCorner];
+    w.p_ACa = of_a[0] + s * (of_a[1] - of_a[0]) + t * (of_a[2] - of_a[0]);
+    w.p_ACb = in_a(code - kFacetCorner);
   } else {
-    w.p_ACa = w.p_ACb = MiddleOfCrossing(ca, cb);
+    w.p_ACa = w.p_ACb = MiddleOfCrossing(CornersOf(pair.A.bvh(), a), CornersInA(pair, b));
   }
   const Vec3 d = w.p_ACa - w.p_ACb;
   w.distance = Norm(d);
   w.normal_A = w.distance > kTouching * pair.size
-                   ? d / w.distance
+                   ? (1 / w.distance) * d
                    : NormalByWinding(pair, pair.A.bvh().slot_facet[a], pair.B.bvh().slot_facet[b]);
   return w;
 }

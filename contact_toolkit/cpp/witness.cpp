@@ -102,10 +102,11 @@ struct RowWriter {
   bool operator()(const FacetPairs& chunk) {
     // The squared distance decides loosely, the distance between the points exactly.
     const double most = standoff * standoff * (1 + 1e-9) + 1e-26 * pair.size * pair.size;
+    auto next = static_cast<std::int32_t>(rows->size());
+    rows->Resize(next + chunk.count);
     for (int k = 0; k < chunk.count; ++k) {
       if (chunk.squared_distance[k] > most) continue;
       const FeaturePair features = FeaturesOf(pair, chunk, k);
-      const auto next = static_cast<std::int32_t>(rows->size());
       std::int32_t* row = merge ? table->Find(features.key()) : nullptr;
       if (row != nullptr && *row >= 0) {
         ++rows->multiplicity[*row];
@@ -114,16 +115,18 @@ struct RowWriter {
       const Witness w = WitnessOf(pair, chunk, k);
       if (w.distance > standoff) continue;
       if (row != nullptr) *row = next;
-      rows->distance.push_back(w.distance);
-      rows->p_ACa.push_back(w.p_ACa);
-      rows->p_ACb.push_back(w.p_ACb);
-      rows->normal_A.push_back(w.normal_A);
-      rows->facet_a.push_back(pair.A.bvh().slot_facet[chunk.slot_a[k]]);
-      rows->facet_b.push_back(pair.B.bvh().slot_facet[chunk.slot_b[k]]);
-      rows->feature_a.push_back(features.a);
-      rows->feature_b.push_back(features.b);
-      rows->multiplicity.push_back(1);
+      rows->distance[next] = w.distance;
+      rows->p_ACa[next] = w.p_ACa;
+      rows->p_ACb[next] = w.p_ACb;
+      rows->normal_A[next] = w.normal_A;
+      rows->facet_a[next] = pair.A.bvh().slot_facet[chunk.slot_a[k]];
+      rows->facet_b[next] = pair.B.bvh().slot_facet[chunk.slot_b[k]];
+      rows->feature_a[next] = features.a;
+      rows->feature_b[next] = features.b;
+      rows->multiplicity[next] = 1;
+      ++next;
     }
+    rows->Resize(next);
     return true;
   }
 };
@@ -206,21 +209,21 @@ void FindInParallel(const PosedPair& pair, double standoff, const WitnessOptions
 
 }  // namespace
 
-void WitnessPairs::clear() {
-  distance.clear();
-  p_ACa.clear();
-  p_ACb.clear();
-  normal_A.clear();
-  facet_a.clear();
-  facet_b.clear();
-  feature_a.clear();
-  feature_b.clear();
-  multiplicity.clear();
+void WitnessPairs::Resize(std::size_t rows) {
+  distance.resize(rows);
+  p_ACa.resize(rows);
+  p_ACb.resize(rows);
+  normal_A.resize(rows);
+  facet_a.resize(rows);
+  facet_b.resize(rows);
+  feature_a.resize(rows);
+  feature_b.resize(rows);
+  multiplicity.resize(rows);
 }
 
 void FindWitnessPairs(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
                       double standoff, const WitnessOptions& options, WitnessPairs* pairs) {
-  pairs->clear();
+  pairs->Resize(0);
   const PosedPair pair(A, B, X_AB);
   if (options.threads > 1) {
     FindInParallel(pair, standoff, options, pairs);

@@ -21,7 +21,7 @@ struct WitnessPairs {
   std::vector<std::int32_t> multiplicity;  // facet pairs behind the row
 
   std::size_t size() const { return distance.size(); }
-  void clear();
+  void Resize(std::size_t rows);
 };
 
 struct WitnessOptions {

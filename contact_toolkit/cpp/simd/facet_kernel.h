@@ -31,12 +31,21 @@ struct Best {
     t = Select(better, t_new, t);
     code = Select(better, Fill<V>(code_new), code);
   }
+
+  CT_INLINE void Challenge(const Best& other) {
+    const auto better = other.squared_distance < squared_distance;
+    squared_distance = Select(better, other.squared_distance, squared_distance);
+    s = Select(better, other.s, s);
+    t = Select(better, other.t, t);
+    code = Select(better, other.code, code);
+  }
 };
 
 template <class V, bool careful>
 CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   const V zero{}, one = Fill<V>(1);
-  Best<V> best{Fill<V>(1e300), zero, zero, zero};
+  // Three races at once, so that the processor need not wait for each comparison in turn.
+  Best<V> best{Fill<V>(1e300), zero, zero, zero}, edges = best, insides = best;
 
   Vec<V> r[3][3];  // from corner j of B to corner i of A
   for (int i = 0; i < 3; ++i) {
@@ -92,7 +101,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
         V t = Most(zero, Least(one, (q + s * ab) * inv_bb[f]));
         s = Most(zero, Least(one, (t * ab - p) * inv_aa[e]));
         const Vec<V> v = r0 + s * da[e] - t * db[f];
-        best.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+        edges.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
       } else {
         const V nn = scale - ab * ab;
         const V s_nn = ab * q - bb[f] * p, t_nn = aa[e] * q - ab * p;
@@ -101,7 +110,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
         const V inverse = one / nn;
         const V s = s_nn * inverse, t = t_nn * inverse;
         const Vec<V> v = r0 + s * da[e] - t * db[f];
-        best.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+        edges.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
       }
     }
   }
@@ -131,16 +140,21 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
       const V u = Most(zero, Least(one, wb[i][2] * inv_nnb));
       const V w = Most(zero, Least(one - u, wb[i][0] * inv_nnb));
       const Vec<V> v = r[i][0] - u * db[0] - w * db[2];
-      best.Offer(inside_b, Dot(v, v), u, w, kCornerInside + i);
+      insides.Offer(inside_b, Dot(v, v), u, w, kCornerFacet + i);
       const V ua = Most(zero, Least(one, wa[i][2] * inv_nna));
       const V va = Most(zero, Least(one - ua, wa[i][0] * inv_nna));
       const Vec<V> v2 = r[0][i] + ua * da[0] + va * da[2];
-      best.Offer(inside_a, Dot(v2, v2), ua, va, kInsideCorner + i);
+      insides.Offer(inside_a, Dot(v2, v2), ua, va, kFacetCorner + i);
     } else {
-      best.Offer(inside_b, hb[i] * hb[i] * inv_nnb, zero, hb[i] * inv_nnb, kCornerFacet + i);
-      best.Offer(inside_a, ha[i] * ha[i] * inv_nna, ha[i] * inv_nna, zero, kFacetCorner + i);
+      insides.Offer(inside_b, hb[i] * hb[i] * inv_nnb, wb[i][2] * inv_nnb, wb[i][0] * inv_nnb,
+                    kCornerFacet + i);
+      insides.Offer(inside_a, ha[i] * ha[i] * inv_nna, wa[i][2] * inv_nna, wa[i][0] * inv_nna,
+                    kFacetCorner + i);
     }
   }
+
+  best.Challenge(edges);
+  best.Challenge(insides);
 
   // Crossing: corners i, k on either side of the other plane, and the point between them inside.
   auto crossing = zero != zero;

@@ -24,11 +24,9 @@ struct CullPose {
 inline constexpr int kEdgeEdge = 0;        // + 3 e + f: at s along edge e of A, t along edge f of B
 inline constexpr int kCornerEdge = 9;      // + 3 i + f: corner i of A, t along edge f of B
 inline constexpr int kEdgeCorner = 18;     // + 3 j + e: s along edge e of A, corner j of B
-inline constexpr int kCornerFacet = 27;    // + i: corner i of A; t = height / |n|²
-inline constexpr int kFacetCorner = 30;    // + j: corner j of B; s = height / |n|²
-inline constexpr int kCornerInside = 33;   // + i: corner i of A; s, t barycentric on B
-inline constexpr int kInsideCorner = 36;   // + j: corner j of B; s, t barycentric on A
-inline constexpr int kCrossing = 39;       // an edge of one pierces the other
+inline constexpr int kCornerFacet = 27;    // + i: corner i of A, (1 - s - t, s, t) barycentric on B
+inline constexpr int kFacetCorner = 30;    // + j: (1 - s - t, s, t) barycentric on A, corner j of B
+inline constexpr int kCrossing = 33;       // an edge of one pierces the other
 inline constexpr int kNeedsCare = 64;      // added by the fast kernel: ask the careful one
 
 // A chunk of facet pairs, structure of arrays.
