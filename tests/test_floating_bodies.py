@@ -29,6 +29,7 @@ def test_gather_reads_poses_and_velocities():
         np.testing.assert_array_equal(X_FB[row, 3], [0, 0, 0, 1])
         np.testing.assert_array_equal(V_FB[row], v)
     np.testing.assert_array_equal(X_FB[2, :3, 3], [7, 8, 9])
+    assert V_FB.shape == (4, 6)
     np.testing.assert_array_equal(V_FB[[0, 2]], np.zeros((2, 6)))
 
 

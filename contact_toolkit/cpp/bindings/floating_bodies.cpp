@@ -37,9 +37,8 @@ nb::object Gather(const FloatingBodies& self, const ArrayIn<double, Any>& state)
   }
   std::vector<double> X_FB, V_FB;
   self.Gather({state.data(), state.size()}, &X_FB, &V_FB);
-  const nb::object X = ToNumpy(std::move(X_FB));
-  return nb::make_tuple(X.attr("reshape")(self.num_bodies(), 4, 4),
-                        ToNumpy<double>(std::move(V_FB), 6));
+  return nb::make_tuple(ToNumpy(std::move(X_FB)).attr("reshape")(self.num_bodies(), 4, 4),
+                        ToNumpy(std::move(V_FB)).attr("reshape")(self.num_bodies(), 6));
 }
 
 nb::object Scatter(const FloatingBodies& self, const ArrayIn<double, Any, Extent<6>>& wrenches) {
