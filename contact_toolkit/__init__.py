@@ -1,5 +1,15 @@
 """Distance queries and contact forces between arbitrarily shaped bodies; needs no simulator."""
 
+from contact_toolkit.contact_law import NonlinearDamper
+from contact_toolkit.contact_model import (
+    ContactArrays,
+    ContactGeometry,
+    ContactModel,
+    ContactPair,
+    Forces,
+    Found,
+    StepTable,
+)
 from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
@@ -20,10 +30,18 @@ __all__ = [
     "VERTEX",
     "ClosestPair",
     "CollisionMesh",
+    "ContactArrays",
+    "ContactGeometry",
+    "ContactModel",
+    "ContactPair",
     "FloatingBodies",
+    "Forces",
+    "Found",
     "MeshDefects",
     "MeshError",
+    "NonlinearDamper",
     "SignedDistances",
+    "StepTable",
     "WitnessPairs",
     "distance",
     "intersects",

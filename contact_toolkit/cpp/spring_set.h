@@ -1,6 +1,6 @@
 // What a spring web finds for one pair of geometries A, B at a relative pose, before velocities are
-// known: the loaded springs, in frame A. The facet web and the area web both produce it; the contact
-// law, friction and the wrenches are evaluated from it in one place (contact_model).
+// known: the loaded springs, in frame A. The facet web and the area web both produce it; the
+// contact law, friction and the wrenches are evaluated from it in one place (contact_model).
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@ namespace contact_toolkit {
 // v the velocity of A relative to B at that point, the deformation rate is -gradient_A · v and the
 // normal force is elastic * (1 + 3/2 alpha * rate), clamped at zero unless adhesive.
 struct SpringSet {
-  std::vector<std::uint64_t> key;      // identity between steps: feature pair (facet web), node (area web)
-  std::vector<double> deformation;     // [m] delta
-  std::vector<double> elastic;         // [N] k w delta^n (facet web), K I (area web)
-  std::vector<double> energy;          // [J] stored
-  std::vector<double> stiffness;       // [N/m] k w: what the tangential stiffness is a ratio of
-  std::vector<Vec3> p_AC;              // point of application (midpoint of the witness points)
-  std::vector<Vec3> gradient_A;        // from B towards A; unit in the facet web
-  std::vector<Vec3> p_ACa, p_ACb;      // witness points on the two surfaces (for output and pictures)
+  std::vector<std::uint64_t>
+      key;  // identity between steps: feature pair (facet web), node (area web)
+  std::vector<double> deformation;  // [m] delta
+  std::vector<double> elastic;      // [N] k w delta^n (facet web), K I (area web)
+  std::vector<double> energy;       // [J] stored
+  std::vector<double> stiffness;    // [N/m] k w: what the tangential stiffness is a ratio of
+  std::vector<Vec3> p_AC;           // point of application (midpoint of the witness points)
+  std::vector<Vec3> gradient_A;     // from B towards A; unit in the facet web
+  std::vector<Vec3> p_ACa, p_ACb;   // witness points on the two surfaces (for output and pictures)
   std::vector<std::int32_t> multiplicity;  // facet pairs behind the spring; 1 for area nodes
-  int status = 0;                      // of the pair: see ContactStatus
-  std::int64_t facet_pairs = 0;        // closer than the standoff (facet web), nodes probed (area web)
+  int status = 0;                          // of the pair: see ContactStatus
+  std::int64_t facet_pairs = 0;  // closer than the standoff (facet web), nodes probed (area web)
 
   std::size_t size() const { return key.size(); }
   void clear();

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 namespace contact_toolkit {
+void BindContact(nanobind::module_& m);
 void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
 void BindPoint(nanobind::module_& m);
@@ -18,4 +19,5 @@ NB_MODULE(_core, m) {
   contact_toolkit::BindWitness(m);
   contact_toolkit::BindPoint(m);
   contact_toolkit::BindFloatingBodies(m);
+  contact_toolkit::BindContact(m);
 }

@@ -1,0 +1,52 @@
+#include "facet_web.h"
+
+#include <cmath>
+#include <utility>
+
+#include "witness.h"
+
+namespace contact_toolkit {
+
+FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
+                   double k, double n, double standoff, Weighting weighting)
+    : A_(std::move(A)),
+      B_(std::move(B)),
+      k_(k),
+      n_(n),
+      standoff_(standoff),
+      weighting_(weighting) {}
+
+void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
+  thread_local WitnessPairs pairs;
+  FindWitnessPairs(*A_, *B_, X_AB, standoff_, {}, &pairs);
+  springs->clear();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double deformation = standoff_ - pairs.distance[i];
+    springs->facet_pairs += pairs.multiplicity[i];
+    if (!(deformation > 0)) continue;
+    const double weight = weighting_ == Weighting::kUnit ? 1.0 : pairs.multiplicity[i];
+    const double elastic = k_ * weight * (n_ == 1 ? deformation : std::pow(deformation, n_));
+    springs->key.push_back(KeyOf(pairs.feature_a[i], pairs.feature_b[i]));
+    springs->deformation.push_back(deformation);
+    springs->elastic.push_back(elastic);
+    springs->energy.push_back(elastic * deformation / (n_ + 1));
+    // Constant, so that what the tangential spring stores depends on its stretch alone: for n ≠ 1
+    // the slope of the normal force at full deformation.
+    springs->stiffness.push_back(k_ * weight * (n_ == 1 ? 1 : n_ * std::pow(standoff_, n_ - 1)));
+    springs->p_AC.push_back(0.5 * (pairs.p_ACa[i] + pairs.p_ACb[i]));
+    springs->gradient_A.push_back(pairs.normal_A[i]);
+    springs->p_ACa.push_back(pairs.p_ACa[i]);
+    springs->p_ACb.push_back(pairs.p_ACb[i]);
+    springs->multiplicity.push_back(pairs.multiplicity[i]);
+  }
+}
+
+std::uint64_t KeyOf(const Feature& feature_a, const Feature& feature_b) {
+  const auto code = [](const Feature& feature) {
+    return static_cast<std::uint64_t>(feature.kind) << 30 |
+           static_cast<std::uint32_t>(feature.index);
+  };
+  return code(feature_a) << 32 | code(feature_b);
+}
+
+}  // namespace contact_toolkit

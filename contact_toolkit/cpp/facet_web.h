@@ -1,0 +1,37 @@
+// The facet web: one spring for every merged pair of witness points closer than the standoff.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "mesh.h"
+#include "spring_web.h"
+
+namespace contact_toolkit {
+
+enum class Weighting {
+  kUnit,  // every merged pair counts once, as published; neither continuous nor conservative
+  kMultiplicity,  // as often as the facet pairs behind it: continuous, and the gradient of a
+                  // potential
+};
+
+// Spring i has the elastic force k w δⁿ with δ = standoff − distance and w by the weighting. Facets
+// that cross have distance zero, hence the full standoff as deformation.
+class FacetWeb final : public SpringWeb {
+ public:
+  FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B, double k,
+           double n, double standoff, Weighting weighting);
+
+  void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
+  double reach() const override { return standoff_; }
+
+ private:
+  std::shared_ptr<const CollisionMesh> A_, B_;
+  double k_, n_, standoff_;
+  Weighting weighting_;
+};
+
+// A feature pair as one number, the key of a facet-web spring.
+std::uint64_t KeyOf(const Feature& feature_a, const Feature& feature_b);
+
+}  // namespace contact_toolkit

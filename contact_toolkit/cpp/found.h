@@ -1,0 +1,28 @@
+// The loaded springs of a whole model at one configuration; immutable once made.
+#pragma once
+
+#include <vector>
+
+#include "spring_set.h"
+#include "vec.h"
+
+namespace contact_toolkit {
+
+struct PairSprings {
+  int pair = -1;  // index into ContactModel::pairs
+  Pose X_FA;      // geometry A in the common frame
+  Pose X_AB;      // geometry B in geometry A, the frame of the springs
+  SpringSet springs;
+};
+
+// Storage is kept between uses: only the first `size` entries of `loaded` mean anything.
+struct Found {
+  std::vector<Pose> X_FB;           // the body poses it was found at
+  std::vector<PairSprings> loaded;  // pairs with springs or a status, by ascending pair index
+  std::size_t size = 0;
+  std::size_t num_springs = 0;
+
+  void Retire() {}
+};
+
+}  // namespace contact_toolkit
