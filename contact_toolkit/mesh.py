@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_toolkit import _core
+from contact_toolkit.mesh_files import read_mesh_file
 
 if TYPE_CHECKING:
     import trimesh
@@ -18,9 +19,6 @@ MeshError = _core.MeshError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-
-_SUFFIXES = (".obj", ".stl", ".ply", ".off", ".glb")
-_MAX_FILE_BYTES = 1 << 30  # a gigabyte of text is some ten million facets
 
 
 @dataclass(frozen=True)
@@ -85,31 +83,17 @@ class CollisionMesh:
     def from_file(cls, path: str | Path, scale: float = 1.0) -> CollisionMesh:
         """Read an .obj, .stl, .ply, .off or .glb file, multiplying its coordinates by `scale`.
 
-        Raises MeshError naming the file, the first bad facet and the mend.
+        Raises MeshError naming the file, the first bad line or facet and the mend.
         """
         path = Path(path)
         if not (np.isfinite(scale) and scale > 0):
             raise MeshError(f"{path}: scale must be positive and finite, not {scale}")
-        if not path.is_file():
-            raise MeshError(f"{path}: no such file")
-        if path.suffix.lower() not in _SUFFIXES:
-            raise MeshError(
-                f"{path}: cannot read {path.suffix or 'a file without suffix'}; "
-                f"convert it to one of {', '.join(_SUFFIXES)}"
-            )
-        if path.stat().st_size > _MAX_FILE_BYTES:
-            raise MeshError(f"{path}: larger than 1 GiB; simplify the mesh")
-        import trimesh  # noqa: PLC0415  only reading a file needs it, and it takes a second
-
+        vertices, faces = read_mesh_file(path)
+        with np.errstate(over="ignore"):  # found and named below
+            vertices = vertices * scale
         try:
-            # process=False: trimesh would silently drop facets with NaN.
-            mesh = trimesh.load_mesh(path, process=False)
-        except Exception as error:  # noqa: BLE001  whatever a broken file raises in the reader
-            raise MeshError(f"{path}: not a readable mesh file: {error}") from error
-        try:
-            vertices = np.asarray(mesh.vertices, dtype=np.float64) * scale
-            return cls(vertices, mesh.faces)
-        except (MeshError, AttributeError) as error:
+            return cls(vertices, faces)
+        except MeshError as error:
             raise MeshError(f"{path}: {error}") from error
 
     @classmethod
