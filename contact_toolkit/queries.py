@@ -16,6 +16,7 @@ from contact_toolkit.mesh import CollisionMesh, Floats, Ints
 VERTEX, EDGE, FACET = 0, 1, 2
 """Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces."""
 
+_MAX_COORDINATE = 1e15  # [m] as for mesh coordinates
 _POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scales and shears
 
 
@@ -159,6 +160,8 @@ def as_pose(X: ArrayLike, name: str = "X_AB") -> NDArray[np.float64]:
         raise ValueError(f"{name} must be a (4, 4) homogeneous matrix, not of shape {pose.shape}")
     if not np.isfinite(pose).all():
         raise ValueError(f"{name} has an entry that is not finite")
+    if abs(pose[:3, 3]).max() > _MAX_COORDINATE:
+        raise ValueError(f"{name} has a translation of {pose[:3, 3]} m, beyond the limit of 1e15 m")
     R = pose[:3, :3]
     if (
         abs(R @ R.T - np.eye(3)).max() > _POSE_TOLERANCE

@@ -11,7 +11,7 @@ namespace {
 class Search {
  public:
   Search(const PosedPair& pair, double upper_bound)
-      : pair_(pair), best_(upper_bound * upper_bound * (1 + 1e-9)) {}
+      : pair_(pair), best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)) {}
 
   void Visit(std::int32_t index_a, std::int32_t index_b) {
     const Bvh &A = pair_.A.bvh(), &B = pair_.B.bvh();
@@ -102,6 +102,9 @@ class Search {
       found_.code[0] = chunk_.code[k];
     }
   }
+
+  // [m²] A bound whose square underflows must still admit a distance of zero.
+  static constexpr double kTiny = 1e-300;
 
   const PosedPair& pair_;
   double best_;  // [m²]

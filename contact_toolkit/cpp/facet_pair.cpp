@@ -3,27 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simd/lanes.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
 
 constexpr int kBase[3] = {0, 1, 0}, kEnd[3] = {1, 2, 2};
-
-struct Corners {
-  Vec3 p[3];
-};
-
-Corners CornersOf(const Bvh& bvh, int slot) {
-  const double* x = &bvh.slot_coordinates[9 * static_cast<std::size_t>(slot)];
-  return {{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], x[8]}}};
-}
-
-Corners CornersInA(const PosedPair& pair, int slot) {
-  Corners b = CornersOf(pair.B.bvh(), slot);
-  for (Vec3& p : b.p) p = pair.X_AB * p;
-  return b;
-}
 
 Feature Corner(const CollisionMesh& mesh, int slot, int corner) {
   return {FeatureKind::kVertex, mesh.bvh().slot_vertices[slot][corner]};
@@ -92,43 +78,59 @@ constexpr struct {
 // The ends of an edge exactly, whatever the rounding of a + (b - a).
 Vec3 Between(const Vec3& a, const Vec3& b, double s) { return s >= 1 ? b : a + s * (b - a); }
 
+template <class T>
+struct Corners {
+  Vec<T> p[3];
+};
+
 // Adds the points where edges of P pierce the facet Q.
-void AddPiercings(const Corners& P, const Corners& Q, Vec3* points, int* count) {
-  const Vec3 d[3] = {Q.p[1] - Q.p[0], Q.p[2] - Q.p[1], Q.p[2] - Q.p[0]};
-  const Vec3 n = Cross(d[0], d[2]);
-  double h[3], w[3][3];
+template <class T>
+void AddPiercings(const Corners<T>& P, const Corners<T>& Q, Vec<T>* points, int* count) {
+  const Vec<T> d[3] = {Q.p[1] - Q.p[0], Q.p[2] - Q.p[1], Q.p[2] - Q.p[0]};
+  const Vec<T> n = Cross(d[0], d[2]);
+  T h[3], w[3][3];
   for (int i = 0; i < 3; ++i) {
     h[i] = Dot(P.p[i] - Q.p[0], n);
     for (int f = 0; f < 3; ++f) {
-      const Vec3 m = f == 2 ? Cross(d[f], n) : Cross(n, d[f]);
+      const Vec<T> m = f == 2 ? Cross(d[f], n) : Cross(n, d[f]);
       w[i][f] = Dot(P.p[i] - Q.p[kBase[f]], m);
     }
   }
   for (int e = 0; e < 3; ++e) {
     const int i = kBase[e], k = kEnd[e];
     if (!(h[i] * h[k] < 0)) continue;
-    const double a = std::abs(h[i]), b = std::abs(h[k]);
+    const T a = std::abs(h[i]), b = std::abs(h[k]);
     bool inside = true;
     for (int f = 0; f < 3; ++f) inside = inside && a * w[k][f] + b * w[i][f] >= 0;
-    if (inside) points[(*count)++] = P.p[i] + a / (a + b) * (P.p[k] - P.p[i]);
+    if (inside) points[(*count)++] = P.p[i] + (a / (a + b)) * (P.p[k] - P.p[i]);
   }
 }
 
-// The middle of the segment in which two crossing facets meet.
-Vec3 MiddleOfCrossing(const Corners& a, const Corners& b) {
-  Vec3 points[6];
+// The middle of the segment in which two facets cross; false when they do not.
+template <class T>
+bool MiddleOfCrossing(const Vec3 (&of_a)[3], const Vec3 (&of_b)[3], Vec3* middle) {
+  Corners<T> a, b;
+  for (int c = 0; c < 3; ++c) {
+    a.p[c] = {of_a[c].x, of_a[c].y, of_a[c].z};
+    b.p[c] = {of_b[c].x, of_b[c].y, of_b[c].z};
+  }
+  Vec<T> points[6];
   int count = 0;
   AddPiercings(a, b, points, &count);
   AddPiercings(b, a, points, &count);
   int first = 0, second = 0;
-  double longest = -1;
+  T longest = -1;
   for (int i = 0; i < count; ++i) {
     for (int j = i; j < count; ++j) {
-      const double length = SquaredNorm(points[i] - points[j]);
+      const Vec<T> apart = points[i] - points[j];
+      const T length = Dot(apart, apart);
       if (length > longest) longest = length, first = i, second = j;
     }
   }
-  return count > 0 ? 0.5 * (points[first] + points[second]) : a.p[0];
+  if (count == 0) return false;
+  const Vec<T> m = T(0.5) * (points[first] + points[second]);
+  *middle = {static_cast<double>(m.x), static_cast<double>(m.y), static_cast<double>(m.z)};
+  return true;
 }
 
 // Where distances are too small to give a direction: out of B and into A, by the facets' windings.
@@ -235,7 +237,14 @@ Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
     w.p_ACa = of_a[0] + s * (of_a[1] - of_a[0]) + t * (of_a[2] - of_a[0]);
     w.p_ACb = in_a(code - kFacetCorner);
   } else {
-    w.p_ACa = w.p_ACb = MiddleOfCrossing(CornersOf(pair.A.bvh(), a), CornersInA(pair, b));
+    // With eleven bits more than double, as on needles the point would otherwise stray from the
+    // facets; in double, as the kernel did, where rounding alone made them cross.
+    const Vec3 corners_a[3] = {of_a[0], of_a[1], of_a[2]};
+    const Vec3 corners_b[3] = {in_a(0), in_a(1), in_a(2)};
+    if (!MiddleOfCrossing<long double>(corners_a, corners_b, &w.p_ACa)) {
+      MiddleOfCrossing<double>(corners_a, corners_b, &w.p_ACa);
+    }
+    w.p_ACb = w.p_ACa;
   }
   const Vec3 d = w.p_ACa - w.p_ACb;
   w.distance = Norm(d);
