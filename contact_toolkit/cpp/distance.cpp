@@ -92,14 +92,12 @@ class Search {
     }
     MeasureFacetPairs(pair_, &chunk_);
     for (int k = 0; k < chunk_.count; ++k) {
-      if (!(chunk_.squared_distance[k] < best_)) continue;
-      best_ = chunk_.squared_distance[k];
+      if (!(chunk_.distance[k] * chunk_.distance[k] < best_)) continue;
+      best_ = chunk_.distance[k] * chunk_.distance[k];
       found_.count = 1;
       found_.slot_a[0] = chunk_.slot_a[k];
       found_.slot_b[0] = chunk_.slot_b[k];
-      found_.s[0] = chunk_.s[k];
-      found_.t[0] = chunk_.t[k];
-      found_.code[0] = chunk_.code[k];
+      found_.CopyMeasured(0, chunk_, k);
     }
   }
 

@@ -34,49 +34,12 @@ Feature OnFacet(const CollisionMesh& mesh, int slot, double u, double w) {
   return {FeatureKind::kFacet, mesh.bvh().slot_facet[slot]};
 }
 
-// Corner `base`, or the point at share s of the way to corner `end`.
-struct Spot {
-  int base, end;
-};
-
-// Where the closest points of codes below kCornerFacet lie: on A at share s, on B at share t.
-constexpr struct {
-  Spot a, b;
-} kSpots[kCornerFacet] = {
-    // Edge and edge.
-    {{0, 1}, {0, 1}},
-    {{0, 1}, {1, 2}},
-    {{0, 1}, {0, 2}},
-    {{1, 2}, {0, 1}},
-    {{1, 2}, {1, 2}},
-    {{1, 2}, {0, 2}},
-    {{0, 2}, {0, 1}},
-    {{0, 2}, {1, 2}},
-    {{0, 2}, {0, 2}},
-    // Corner of A and edge of B.
-    {{0, 0}, {0, 1}},
-    {{0, 0}, {1, 2}},
-    {{0, 0}, {0, 2}},
-    {{1, 1}, {0, 1}},
-    {{1, 1}, {1, 2}},
-    {{1, 1}, {0, 2}},
-    {{2, 2}, {0, 1}},
-    {{2, 2}, {1, 2}},
-    {{2, 2}, {0, 2}},
-    // Edge of A and corner of B.
-    {{0, 1}, {0, 0}},
-    {{1, 2}, {0, 0}},
-    {{0, 2}, {0, 0}},
-    {{0, 1}, {1, 1}},
-    {{1, 2}, {1, 1}},
-    {{0, 2}, {1, 1}},
-    {{0, 1}, {2, 2}},
-    {{1, 2}, {2, 2}},
-    {{0, 2}, {2, 2}},
-};
-
-// The ends of an edge exactly, whatever the rounding of a + (b - a).
-Vec3 Between(const Vec3& a, const Vec3& b, double s) { return s >= 1 ? b : a + s * (b - a); }
+Feature FeatureAt(const CollisionMesh& mesh, int slot, int spot, double along, double s, double t) {
+  if (spot < kOnEdge) return Corner(mesh, slot, spot - kOnCorner);
+  if (spot < kInside) return OnEdge(mesh, slot, spot - kOnEdge, along);
+  if (spot == kInside) return OnFacet(mesh, slot, s, t);
+  return {FeatureKind::kFacet, mesh.bvh().slot_facet[slot]};
+}
 
 template <class T>
 struct Corners {
@@ -181,77 +144,39 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
   again.count = 0;
   for (int k = 0; k < chunk->count; ++k) {
     const int slot_a = chunk->slot_a[k], slot_b = chunk->slot_b[k];
-    if (chunk->code[k] < kNeedsCare && !a.slot_thin[slot_a] && !b.slot_thin[slot_b]) continue;
+    if (chunk->spot_a[k] < kNeedsCare && !a.slot_thin[slot_a] && !b.slot_thin[slot_b]) continue;
     again.slot_a[again.count] = slot_a;
     again.slot_b[again.count] = slot_b;
     where[again.count++] = k;
   }
   if (again.count == 0) return;
   measure(true, &again);
-  for (int i = 0; i < again.count; ++i) {
-    const int k = where[i];
-    chunk->squared_distance[k] = again.squared_distance[i];
-    chunk->s[k] = again.s[i];
-    chunk->t[k] = again.t[i];
-    chunk->code[k] = again.code[i];
-  }
+  for (int i = 0; i < again.count; ++i) chunk->CopyMeasured(where[i], again, i);
 }
 
 FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
-  const CollisionMesh &A = pair.A, &B = pair.B;
-  const int a = chunk.slot_a[k], b = chunk.slot_b[k], code = static_cast<int>(chunk.code[k]);
   const double s = chunk.s[k], t = chunk.t[k];
-  if (code < kCornerEdge) return {OnEdge(A, a, code / 3, s), OnEdge(B, b, code % 3, t)};
-  if (code < kEdgeCorner) {
-    const int c = code - kCornerEdge;
-    return {Corner(A, a, c / 3), OnEdge(B, b, c % 3, t)};
-  }
-  if (code < kCornerFacet) {
-    const int c = code - kEdgeCorner;
-    return {OnEdge(A, a, c % 3, s), Corner(B, b, c / 3)};
-  }
-  if (code < kFacetCorner) return {Corner(A, a, code - kCornerFacet), OnFacet(B, b, s, t)};
-  if (code < kCrossing) return {OnFacet(A, a, s, t), Corner(B, b, code - kFacetCorner)};
-  return {{FeatureKind::kFacet, A.bvh().slot_facet[a]},
-          {FeatureKind::kFacet, B.bvh().slot_facet[b]}};
+  return {FeatureAt(pair.A, chunk.slot_a[k], static_cast<int>(chunk.spot_a[k]), s, s, t),
+          FeatureAt(pair.B, chunk.slot_b[k], static_cast<int>(chunk.spot_b[k]), t, s, t)};
 }
 
-Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
-  const int a = chunk.slot_a[k], b = chunk.slot_b[k], code = static_cast<int>(chunk.code[k]);
-  const double s = chunk.s[k], t = chunk.t[k];
-  const auto* of_a =
-      reinterpret_cast<const Vec3*>(&pair.A.bvh().slot_coordinates[9 * std::size_t(a)]);
-  const auto* of_b =
-      reinterpret_cast<const Vec3*>(&pair.B.bvh().slot_coordinates[9 * std::size_t(b)]);
-  const auto in_a = [&](int corner) { return pair.X_AB * of_b[corner]; };
-  Witness w;
-  if (code < kCornerFacet) {
-    const auto& spots = kSpots[code];
-    w.p_ACa = Between(of_a[spots.a.base], of_a[spots.a.end], s);
-    w.p_ACb = Between(in_a(spots.b.base), in_a(spots.b.end), t);
-  } else if (code < kFacetCorner) {
-    const Vec3 b0 = in_a(0);
-    w.p_ACa = of_a[code - kCornerFacet];
-    w.p_ACb = b0 + s * (in_a(1) - b0) + t * (in_a(2) - b0);
-  } else if (code < kCrossing) {
-    w.p_ACa = of_a[0] + s * (of_a[1] - of_a[0]) + t * (of_a[2] - of_a[0]);
-    w.p_ACb = in_a(code - kFacetCorner);
-  } else {
+void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness* witness) {
+  const Bvh &A = pair.A.bvh(), &B = pair.B.bvh();
+  const int a = chunk.slot_a[k], b = chunk.slot_b[k];
+  if (chunk.spot_a[k] == kCrossing) {
+    Vec3 corners_a[3], corners_b[3];
+    for (int c = 0; c < 3; ++c) {
+      corners_a[c] = pair.A.vertices()[A.slot_vertices[a][c]];
+      corners_b[c] = pair.X_AB * pair.B.vertices()[B.slot_vertices[b][c]];
+    }
     // With eleven bits more than double, as on needles the point would otherwise stray from the
     // facets; in double, as the kernel did, where rounding alone made them cross.
-    const Vec3 corners_a[3] = {of_a[0], of_a[1], of_a[2]};
-    const Vec3 corners_b[3] = {in_a(0), in_a(1), in_a(2)};
-    if (!MiddleOfCrossing<long double>(corners_a, corners_b, &w.p_ACa)) {
-      MiddleOfCrossing<double>(corners_a, corners_b, &w.p_ACa);
+    if (!MiddleOfCrossing<long double>(corners_a, corners_b, &witness->p_ACa)) {
+      MiddleOfCrossing<double>(corners_a, corners_b, &witness->p_ACa);
     }
-    w.p_ACb = w.p_ACa;
+    witness->p_ACb = witness->p_ACa;
   }
-  const Vec3 d = w.p_ACa - w.p_ACb;
-  w.distance = Norm(d);
-  w.normal_A = w.distance > kTouching * pair.size
-                   ? (1 / w.distance) * d
-                   : NormalByWinding(pair, pair.A.bvh().slot_facet[a], pair.B.bvh().slot_facet[b]);
-  return w;
+  witness->normal_A = NormalByWinding(pair, A.slot_facet[a], B.slot_facet[b]);
 }
 
 }  // namespace contact_toolkit

@@ -4,6 +4,7 @@
 
 #include "mesh.h"
 #include "simd/kernels.h"
+#include "tolerances.h"
 #include "vec.h"
 
 namespace contact_toolkit {
@@ -40,10 +41,20 @@ struct Witness {
   Vec3 p_ACa, p_ACb, normal_A;
 };
 
+// What the kernels leave open where facets cross or touch: the point, and a direction.
+void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness* witness);
+
 // The features on which the closest points of entry k of a measured chunk lie.
 FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k);
 
 // Its closest points, their distance, and the direction from B towards A.
-Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k);
+inline Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
+  const auto at = [k](const double (&x)[3][FacetPairs::kPadded]) {
+    return Vec3{x[0][k], x[1][k], x[2][k]};
+  };
+  Witness w{chunk.distance[k], at(chunk.point_a), at(chunk.point_b), at(chunk.normal)};
+  if (w.distance <= kTouching * pair.size) MendTouching(pair, chunk, k, &w);
+  return w;
+}
 
 }  // namespace contact_toolkit

@@ -100,12 +100,10 @@ struct RowWriter {
   WitnessPairs* rows;
 
   bool operator()(const FacetPairs& chunk) {
-    // The squared distance decides loosely, the distance between the points exactly.
-    const double most = standoff * standoff * (1 + 1e-9) + 1e-26 * pair.size * pair.size;
     auto next = static_cast<std::int32_t>(rows->size());
     rows->Resize(next + chunk.count);
     for (int k = 0; k < chunk.count; ++k) {
-      if (chunk.squared_distance[k] > most) continue;
+      if (chunk.distance[k] > standoff) continue;
       const FeaturePair features = FeaturesOf(pair, chunk, k);
       std::int32_t* row = merge ? table->Find(features.key()) : nullptr;
       if (row != nullptr && *row >= 0) {
@@ -113,7 +111,6 @@ struct RowWriter {
         continue;
       }
       const Witness w = WitnessOf(pair, chunk, k);
-      if (w.distance > standoff) continue;
       if (row != nullptr) *row = next;
       rows->distance[next] = w.distance;
       rows->p_ACa[next] = w.p_ACa;
@@ -241,7 +238,7 @@ bool Intersects(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB
   const double most = kTouching * pair.size;
   auto stop_at_touch = [&](const FacetPairs& chunk) {
     for (int k = 0; k < chunk.count; ++k) {
-      touching = touching || chunk.squared_distance[k] <= most * most;
+      touching = touching || chunk.distance[k] <= most;
     }
     return !touching;
   };

@@ -21,23 +21,24 @@ constexpr int kEdgeEnd[3] = {1, 2, 2};
 
 template <class V>
 struct Best {
-  V squared_distance, s, t, code;
+  V squared_distance, s, t, spot_a, spot_b;
 
   template <class M>
-  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int code_new) {
-    const auto better = valid & (d2 < squared_distance);
-    squared_distance = Select(better, d2, squared_distance);
-    s = Select(better, s_new, s);
-    t = Select(better, t_new, t);
-    code = Select(better, Fill<V>(code_new), code);
+  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int on_a, int on_b) {
+    Take(valid & (d2 < squared_distance), {d2, s_new, t_new, Fill<V>(on_a), Fill<V>(on_b)});
+  }
+  CT_INLINE void Challenge(const Best& other) {
+    Take(other.squared_distance < squared_distance, other);
   }
 
-  CT_INLINE void Challenge(const Best& other) {
-    const auto better = other.squared_distance < squared_distance;
+ private:
+  template <class M>
+  CT_INLINE void Take(M better, const Best& other) {
     squared_distance = Select(better, other.squared_distance, squared_distance);
     s = Select(better, other.s, s);
     t = Select(better, other.t, t);
-    code = Select(better, other.code, code);
+    spot_a = Select(better, other.spot_a, spot_a);
+    spot_b = Select(better, other.spot_b, spot_b);
   }
 };
 
@@ -45,7 +46,7 @@ template <class V, bool careful>
 CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   const V zero{}, one = Fill<V>(1);
   // Three races at once, so that the processor need not wait for each comparison in turn.
-  Best<V> best{Fill<V>(1e300), zero, zero, zero}, edges = best, insides = best;
+  Best<V> best{Fill<V>(1e300), zero, zero, zero, zero}, edges = best, insides = best;
 
   Vec<V> r[3][3];  // from corner j of B to corner i of A
   for (int i = 0; i < 3; ++i) {
@@ -76,12 +77,12 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     for (int i = 0; i < 3; ++i) {
       const V t = Most(zero, Least(one, rb[i][f] * inv_bb[f]));
       const Vec<V> v = r[i][kEdgeBase[f]] - t * db[f];
-      best.Offer(always, Dot(v, v), zero, t, kCornerEdge + 3 * i + f);
+      best.Offer(always, Dot(v, v), zero, t, kOnCorner + i, kOnEdge + f);
     }
     for (int j = 0; j < 3; ++j) {
       const V s = Most(zero, Least(one, -ra[j][f] * inv_aa[f]));
       const Vec<V> v = r[kEdgeBase[f]][j] + s * da[f];
-      best.Offer(always, Dot(v, v), s, zero, kEdgeCorner + 3 * j + f);
+      best.Offer(always, Dot(v, v), s, zero, kOnEdge + f, kOnCorner + j);
     }
   }
 
@@ -101,7 +102,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
         V t = Most(zero, Least(one, (q + s * ab) * inv_bb[f]));
         s = Most(zero, Least(one, (t * ab - p) * inv_aa[e]));
         const Vec<V> v = r0 + s * da[e] - t * db[f];
-        edges.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+        edges.Offer(valid, Dot(v, v), s, t, kOnEdge + e, kOnEdge + f);
       } else {
         const V nn = scale - ab * ab;
         const V s_nn = ab * q - bb[f] * p, t_nn = aa[e] * q - ab * p;
@@ -110,7 +111,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
         const V inverse = one / nn;
         const V s = s_nn * inverse, t = t_nn * inverse;
         const Vec<V> v = r0 + s * da[e] - t * db[f];
-        edges.Offer(valid, Dot(v, v), s, t, kEdgeEdge + 3 * e + f);
+        edges.Offer(valid, Dot(v, v), s, t, kOnEdge + e, kOnEdge + f);
       }
     }
   }
@@ -140,16 +141,16 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
       const V u = Most(zero, Least(one, wb[i][2] * inv_nnb));
       const V w = Most(zero, Least(one - u, wb[i][0] * inv_nnb));
       const Vec<V> v = r[i][0] - u * db[0] - w * db[2];
-      insides.Offer(inside_b, Dot(v, v), u, w, kCornerFacet + i);
+      insides.Offer(inside_b, Dot(v, v), u, w, kOnCorner + i, kInside);
       const V ua = Most(zero, Least(one, wa[i][2] * inv_nna));
       const V va = Most(zero, Least(one - ua, wa[i][0] * inv_nna));
       const Vec<V> v2 = r[0][i] + ua * da[0] + va * da[2];
-      insides.Offer(inside_a, Dot(v2, v2), ua, va, kFacetCorner + i);
+      insides.Offer(inside_a, Dot(v2, v2), ua, va, kInside, kOnCorner + i);
     } else {
       insides.Offer(inside_b, hb[i] * hb[i] * inv_nnb, wb[i][2] * inv_nnb, wb[i][0] * inv_nnb,
-                    kCornerFacet + i);
+                    kOnCorner + i, kInside);
       insides.Offer(inside_a, ha[i] * ha[i] * inv_nna, wa[i][2] * inv_nna, wa[i][0] * inv_nna,
-                    kFacetCorner + i);
+                    kInside, kOnCorner + i);
     }
   }
 
@@ -170,11 +171,38 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     crossing = crossing | through_a | through_b;
   }
   best.squared_distance = Select(crossing, zero, best.squared_distance);
-  best.code = Select(crossing, Fill<V>(kCrossing), best.code);
+  best.spot_a = Select(crossing, Fill<V>(kCrossing), best.spot_a);
+  best.spot_b = Select(crossing, Fill<V>(kCrossing), best.spot_b);
   if constexpr (!careful) {
-    best.code = Select(needs_care & !crossing, best.code + Fill<V>(kNeedsCare), best.code);
+    best.spot_a = Select(needs_care & !crossing, best.spot_a + Fill<V>(kNeedsCare), best.spot_a);
   }
   return best;
+}
+
+template <class M, class V>
+CT_INLINE Vec<V> Select(M mask, const Vec<V>& a, const Vec<V>& b) {
+  return {Select(mask, a.x, b.x), Select(mask, a.y, b.y), Select(mask, a.z, b.z)};
+}
+
+// The point of facet P at a spot; `along` is its share of an edge. The ends of edges come out exactly.
+template <class V>
+CT_INLINE Vec<V> PointAt(const Vec<V> (&P)[3], V spot, V along, V s, V t) {
+  const auto on_corner1 = spot == Fill<V>(kOnCorner + 1), on_corner2 = spot == Fill<V>(kOnCorner + 2);
+  const auto on_edge0 = spot == Fill<V>(kOnEdge), on_edge1 = spot == Fill<V>(kOnEdge + 1);
+  const auto on_edge2 = spot == Fill<V>(kOnEdge + 2), inside = spot == Fill<V>(kInside);
+  const Vec<V> base = Select(on_corner2, P[2], Select(on_corner1 | on_edge1, P[1], P[0]));
+  const Vec<V> end = Select(on_edge0 | inside, P[1], P[2]);
+  const auto moves = on_edge0 | on_edge1 | on_edge2 | inside;
+  const V zero{}, one = Fill<V>(1);
+  const V first = Select(inside, s, Select(moves, along, zero));
+  const V second = Select(inside, t, zero);
+  const Vec<V> point = base + first * (end - base) + second * (P[2] - P[0]);
+  return Select(moves & !inside & (along >= one), end, point);
+}
+
+template <class V>
+CT_INLINE void Store(double* to, V value) {
+  __builtin_memcpy(to, &value, sizeof value);
 }
 
 // Loads lane-wise: entry (corner, axis) of each lane's facet.
@@ -211,10 +239,26 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
       B[c].z = X[6] * p.x + X[7] * p.y + X[8] * p.z + X[11];
     }
     const Best<V> best = FacetDistance<V, careful>(A, B);
-    __builtin_memcpy(pairs->squared_distance + first, &best.squared_distance, sizeof(V));
-    __builtin_memcpy(pairs->s + first, &best.s, sizeof(V));
-    __builtin_memcpy(pairs->t + first, &best.t, sizeof(V));
-    __builtin_memcpy(pairs->code + first, &best.code, sizeof(V));
+    // Pairs that need care are measured again: whatever is made of their spots here is not kept.
+    const Vec<V> a_point = PointAt(A, best.spot_a, best.s, best.s, best.t);
+    const Vec<V> b_point = PointAt(B, best.spot_b, best.t, best.s, best.t);
+    const Vec<V> apart = a_point - b_point;
+    const V distance = SquareRoot(Dot(apart, apart));
+    const V inverse = Fill<V>(1) / distance;
+    Store(pairs->distance + first, Select(best.spot_a == Fill<V>(kCrossing), V{}, distance));
+    Store(pairs->spot_a + first, best.spot_a);
+    Store(pairs->spot_b + first, best.spot_b);
+    Store(pairs->s + first, best.s);
+    Store(pairs->t + first, best.t);
+    Store(pairs->point_a[0] + first, a_point.x);
+    Store(pairs->point_a[1] + first, a_point.y);
+    Store(pairs->point_a[2] + first, a_point.z);
+    Store(pairs->point_b[0] + first, b_point.x);
+    Store(pairs->point_b[1] + first, b_point.y);
+    Store(pairs->point_b[2] + first, b_point.z);
+    Store(pairs->normal[0] + first, inverse * apart.x);
+    Store(pairs->normal[1] + first, inverse * apart.y);
+    Store(pairs->normal[2] + first, inverse * apart.z);
   }
 }
 

@@ -18,25 +18,37 @@ struct CullPose {
   float slack;  // [m] covers all single-precision rounding
 };
 
-// How a facet pair's least distance is attained; `feature codes` of FacetPairs::code.
-// Corners and edges are numbered by the sorted vertices of the slot: edge 0 = (0,1), 1 = (1,2),
-// 2 = (0,2), running from the first to the second.
-inline constexpr int kEdgeEdge = 0;        // + 3 e + f: at s along edge e of A, t along edge f of B
-inline constexpr int kCornerEdge = 9;      // + 3 i + f: corner i of A, t along edge f of B
-inline constexpr int kEdgeCorner = 18;     // + 3 j + e: s along edge e of A, corner j of B
-inline constexpr int kCornerFacet = 27;    // + i: corner i of A, (1 - s - t, s, t) barycentric on B
-inline constexpr int kFacetCorner = 30;    // + j: (1 - s - t, s, t) barycentric on A, corner j of B
-inline constexpr int kCrossing = 33;       // an edge of one pierces the other
-inline constexpr int kNeedsCare = 64;      // added by the fast kernel: ask the careful one
+// Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of the
+// slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
+inline constexpr int kOnCorner = 0;    // + corner
+inline constexpr int kOnEdge = 3;      // + edge; at the share s (on A) or t (on B) of its length
+inline constexpr int kInside = 6;      // at barycentric coordinates (1 - s - t, s, t)
+inline constexpr int kCrossing = 7;    // both: an edge of one facet pierces the other
+inline constexpr int kNeedsCare = 64;  // added to spot_a by the fast kernel: ask the careful one
 
-// A chunk of facet pairs, structure of arrays.
+// A chunk of facet pairs, structure of arrays: the kernel reads the slots and writes the rest.
 struct FacetPairs {
   static constexpr int kCapacity = 256;
+  static constexpr int kPadded = kCapacity + kBvhWidth;  // the last batch is filled up
   int count = 0;
-  std::int32_t slot_a[kCapacity + kBvhWidth], slot_b[kCapacity + kBvhWidth];
-  double squared_distance[kCapacity + kBvhWidth];
-  double s[kCapacity + kBvhWidth], t[kCapacity + kBvhWidth];
-  double code[kCapacity + kBvhWidth];
+  std::int32_t slot_a[kPadded], slot_b[kPadded];
+  double distance[kPadded];  // [m] between the points below
+  double spot_a[kPadded], spot_b[kPadded];
+  double s[kPadded], t[kPadded];
+  double point_a[3][kPadded], point_b[3][kPadded];  // in A; not where facets cross
+  double normal[3][kPadded];  // from B towards A; unit where the distance is not tiny
+
+  // Takes over what was measured for entry i of another chunk.
+  void CopyMeasured(int k, const FacetPairs& other, int i) {
+    distance[k] = other.distance[i];
+    spot_a[k] = other.spot_a[i], spot_b[k] = other.spot_b[i];
+    s[k] = other.s[i], t[k] = other.t[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      point_a[axis][k] = other.point_a[axis][i];
+      point_b[axis][k] = other.point_b[axis][i];
+      normal[axis][k] = other.normal[axis][i];
+    }
+  }
 };
 
 struct Kernels {

@@ -39,6 +39,18 @@ template <class V>
 CT_INLINE V Absolute(V a) {
   return Select(a < V{} , -a, a);
 }
+CT_INLINE double SquareRoot(double a) { return __builtin_sqrt(a); }
+template <class V>
+CT_INLINE V SquareRoot(V a) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(V) == 64) return __builtin_ia32_sqrtpd512_mask(a, a, -1, 4);
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(V) == 32) return __builtin_ia32_sqrtpd256(a);
+#endif
+  for (unsigned k = 0; k < sizeof(V) / sizeof(double); ++k) a[k] = __builtin_sqrt(a[k]);
+  return a;
+}
 // All lanes equal to x.
 template <class V>
 CT_INLINE V Fill(double x) {
