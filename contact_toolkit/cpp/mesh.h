@@ -18,7 +18,7 @@ struct MeshError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-enum class FeatureKind : std::uint8_t { kVertex = 0, kEdge = 1, kFacet = 2 };
+enum class FeatureKind : std::int32_t { kVertex = 0, kEdge = 1, kFacet = 2 };
 
 // A feature of a mesh, indexed in the mesh's own tables.
 struct Feature {

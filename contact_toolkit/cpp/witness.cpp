@@ -152,7 +152,7 @@ std::vector<NodePair> Split(const PosedPair& pair, double reach, std::size_t eno
 }
 
 template <class T>
-void Append(const std::vector<T>& from, std::vector<T>* to) {
+void Append(const Column<T>& from, Column<T>* to) {
   to->insert(to->end(), from.begin(), from.end());
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "mesh.h"
@@ -11,14 +13,29 @@
 
 namespace contact_toolkit {
 
+// A vector whose new elements are not set: they are written once, by the query.
+template <class T>
+struct Unset : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Unset<U>;
+  };
+  template <class U, class... Args>
+  void construct(U* p, Args&&... args) {
+    if constexpr (sizeof...(Args) > 0) ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
+  }
+};
+template <class T>
+using Column = std::vector<T, Unset<T>>;
+
 // Rows in a fixed order given by the meshes and the pose, whatever the number of threads.
 struct WitnessPairs {
-  std::vector<double> distance;   // [m]; 0 where the facets cross
-  std::vector<Vec3> p_ACa, p_ACb;  // witness points; equal where the facets cross
-  std::vector<Vec3> normal_A;      // unit, from B towards A
-  std::vector<std::int32_t> facet_a, facet_b;
-  std::vector<Feature> feature_a, feature_b;
-  std::vector<std::int32_t> multiplicity;  // facet pairs behind the row
+  Column<double> distance;   // [m]; 0 where the facets cross
+  Column<Vec3> p_ACa, p_ACb;  // witness points; equal where the facets cross
+  Column<Vec3> normal_A;      // unit, from B towards A
+  Column<std::int32_t> facet_a, facet_b;
+  Column<Feature> feature_a, feature_b;
+  Column<std::int32_t> multiplicity;  // facet pairs behind the row
 
   std::size_t size() const { return distance.size(); }
   void Resize(std::size_t rows);

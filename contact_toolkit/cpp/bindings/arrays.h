@@ -4,8 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <cstring>
-#include <initializer_list>
+#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -30,27 +29,37 @@ using PointsIn = ArrayIn<double, Any, Extent<3>>;
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double));
 
-// A numpy array that owns the vector's storage; nothing is copied. E: the scalar type of an element
-// (double for Vec3), `columns` how many of it an element holds (0: a one-dimensional array).
-template <typename E, typename T>
-nb::object ToNumpy(std::vector<T>&& values, std::size_t columns = 0) {
-  auto* owner = new std::vector<T>(std::move(values));
-  const nb::capsule capsule(owner, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+// What numpy makes of an element: its scalar type, and how many columns (0: one-dimensional).
+template <typename T>
+struct Element {
+  using Scalar = T;
+  static constexpr std::size_t columns = 0;
+};
+template <>
+struct Element<Vec3> {
+  using Scalar = double;
+  static constexpr std::size_t columns = 3;
+};
+template <typename T, std::size_t n>
+struct Element<std::array<T, n>> {
+  using Scalar = T;
+  static constexpr std::size_t columns = n;
+};
+
+// A numpy array that owns the vector's storage; nothing is copied.
+template <typename T, typename Allocator>
+nb::object ToNumpy(std::vector<T, Allocator>&& values) {
+  using Values = std::vector<T, Allocator>;
+  using Scalar = typename Element<T>::Scalar;
+  auto* owner = new Values(std::move(values));
+  const nb::capsule capsule(owner, [](void* p) noexcept { delete static_cast<Values*>(p); });
   const std::size_t rows = owner->size();
-  E* data = reinterpret_cast<E*>(owner->data());
-  if (columns == 0) {
-    return nb::cast(nb::ndarray<nb::numpy, E>(data, {rows}, capsule));
+  auto* data = reinterpret_cast<Scalar*>(owner->data());
+  if constexpr (Element<T>::columns == 0) {
+    return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, {rows}, capsule));
+  } else {
+    return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, {rows, Element<T>::columns}, capsule));
   }
-  return nb::cast(nb::ndarray<nb::numpy, E>(data, {rows, columns}, capsule));
-}
-inline nb::object ToNumpy(std::vector<Vec3>&& values) {
-  return ToNumpy<double>(std::move(values), 3);
-}
-inline nb::object ToNumpy(std::vector<double>&& values) {
-  return ToNumpy<double>(std::move(values));
-}
-inline nb::object ToNumpy(std::vector<std::int32_t>&& values) {
-  return ToNumpy<std::int32_t>(std::move(values));
 }
 inline nb::object ToNumpy(const Vec3& v) { return ToNumpy(std::vector<double>{v.x, v.y, v.z}); }
 

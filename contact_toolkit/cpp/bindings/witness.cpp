@@ -6,15 +6,28 @@
 #include "simd/kernels.h"
 
 namespace contact_toolkit {
+
+static_assert(sizeof(Feature) == 2 * sizeof(std::int32_t));
+template <>
+struct Element<Feature> {
+  using Scalar = std::int32_t;
+  static constexpr std::size_t columns = 2;
+};
+
 namespace {
 
-// (kind, index) columns.
-nb::object FeatureArray(const std::vector<Feature>& features) {
-  std::vector<std::array<std::int32_t, 2>> columns(features.size());
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    columns[i] = {static_cast<std::int32_t>(features[i].kind), features[i].index};
-  }
-  return ToNumpy<std::int32_t>(std::move(columns), 2);
+nb::dict Rows(WitnessPairs&& pairs) {
+  nb::dict rows;
+  rows["distance"] = ToNumpy(std::move(pairs.distance));
+  rows["p_ACa"] = ToNumpy(std::move(pairs.p_ACa));
+  rows["p_ACb"] = ToNumpy(std::move(pairs.p_ACb));
+  rows["normal_A"] = ToNumpy(std::move(pairs.normal_A));
+  rows["facet_a"] = ToNumpy(std::move(pairs.facet_a));
+  rows["facet_b"] = ToNumpy(std::move(pairs.facet_b));
+  rows["feature_a"] = ToNumpy(std::move(pairs.feature_a));
+  rows["feature_b"] = ToNumpy(std::move(pairs.feature_b));
+  rows["multiplicity"] = ToNumpy(std::move(pairs.multiplicity));
+  return rows;
 }
 
 nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB, double standoff,
@@ -24,17 +37,7 @@ nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X
     const nb::gil_scoped_release release;
     FindWitnessPairs(A, B, Pose::FromMatrix(X_AB.data()), standoff, {merge, threads}, &pairs);
   }
-  nb::dict rows;
-  rows["feature_a"] = FeatureArray(pairs.feature_a);
-  rows["feature_b"] = FeatureArray(pairs.feature_b);
-  rows["distance"] = ToNumpy(std::move(pairs.distance));
-  rows["p_ACa"] = ToNumpy(std::move(pairs.p_ACa));
-  rows["p_ACb"] = ToNumpy(std::move(pairs.p_ACb));
-  rows["normal_A"] = ToNumpy(std::move(pairs.normal_A));
-  rows["facet_a"] = ToNumpy(std::move(pairs.facet_a));
-  rows["facet_b"] = ToNumpy(std::move(pairs.facet_b));
-  rows["multiplicity"] = ToNumpy(std::move(pairs.multiplicity));
-  return rows;
+  return Rows(std::move(pairs));
 }
 
 nb::tuple FeatureTuple(const Feature& f) {

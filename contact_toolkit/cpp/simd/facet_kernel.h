@@ -19,34 +19,46 @@ namespace {
 constexpr int kEdgeBase[3] = {0, 1, 0};
 constexpr int kEdgeEnd[3] = {1, 2, 2};
 
-template <class V>
-struct Best {
-  V squared_distance, s, t, spot_a, spot_b;
+// The nearest candidate of a kind so far. The two spots are packed into one number, and a kind that
+// has no s (or no t) does not carry it.
+template <class V, bool has_s, bool has_t>
+struct Race {
+  V squared_distance = Fill<V>(1e300), s{}, t{}, spots{};
 
   template <class M>
-  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int on_a, int on_b) {
-    Take(valid & (d2 < squared_distance), {d2, s_new, t_new, Fill<V>(on_a), Fill<V>(on_b)});
+  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int spot_a, int spot_b) {
+    Take(valid & (d2 < squared_distance), d2, s_new, t_new, Fill<V>(spot_a + 8 * spot_b));
   }
-  CT_INLINE void Challenge(const Best& other) {
-    Take(other.squared_distance < squared_distance, other);
+  CT_INLINE void Offer(V d2, V s_new, V t_new, int spot_a, int spot_b) {
+    Take(d2 < squared_distance, d2, s_new, t_new, Fill<V>(spot_a + 8 * spot_b));
+  }
+  template <bool s_of_other, bool t_of_other>
+  CT_INLINE void Challenge(const Race<V, s_of_other, t_of_other>& other) {
+    Take(other.squared_distance < squared_distance, other.squared_distance, other.s, other.t,
+         other.spots);
   }
 
  private:
   template <class M>
-  CT_INLINE void Take(M better, const Best& other) {
-    squared_distance = Select(better, other.squared_distance, squared_distance);
-    s = Select(better, other.s, s);
-    t = Select(better, other.t, t);
-    spot_a = Select(better, other.spot_a, spot_a);
-    spot_b = Select(better, other.spot_b, spot_b);
+  CT_INLINE void Take(M better, V d2, V s_new, V t_new, V spots_new) {
+    squared_distance = Select(better, d2, squared_distance);
+    if constexpr (has_s) s = Select(better, s_new, s);
+    if constexpr (has_t) t = Select(better, t_new, t);
+    spots = Select(better, spots_new, spots);
   }
+};
+
+template <class V>
+struct Best {
+  V s, t, spot_a, spot_b;
 };
 
 template <class V, bool careful>
 CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   const V zero{}, one = Fill<V>(1);
-  // Three races at once, so that the processor need not wait for each comparison in turn.
-  Best<V> best{Fill<V>(1e300), zero, zero, zero, zero}, edges = best, insides = best;
+  Race<V, false, true> corners_a;
+  Race<V, true, false> corners_b;
+  Race<V, true, true> edges, insides, best;
 
   Vec<V> r[3][3];  // from corner j of B to corner i of A
   for (int i = 0; i < 3; ++i) {
@@ -72,17 +84,16 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   }
 
   // Corners against edges.
-  const auto always = zero == zero;
   for (int f = 0; f < 3; ++f) {
     for (int i = 0; i < 3; ++i) {
       const V t = Most(zero, Least(one, rb[i][f] * inv_bb[f]));
       const Vec<V> v = r[i][kEdgeBase[f]] - t * db[f];
-      best.Offer(always, Dot(v, v), zero, t, kOnCorner + i, kOnEdge + f);
+      corners_a.Offer(Dot(v, v), zero, t, kOnCorner + i, kOnEdge + f);
     }
     for (int j = 0; j < 3; ++j) {
       const V s = Most(zero, Least(one, -ra[j][f] * inv_aa[f]));
       const Vec<V> v = r[kEdgeBase[f]][j] + s * da[f];
-      best.Offer(always, Dot(v, v), s, zero, kOnEdge + f, kOnCorner + j);
+      corners_b.Offer(Dot(v, v), s, zero, kOnEdge + f, kOnCorner + j);
     }
   }
 
@@ -154,6 +165,8 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     }
   }
 
+  best.Challenge(corners_a);
+  best.Challenge(corners_b);
   best.Challenge(edges);
   best.Challenge(insides);
 
@@ -170,13 +183,16 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     }
     crossing = crossing | through_a | through_b;
   }
-  best.squared_distance = Select(crossing, zero, best.squared_distance);
-  best.spot_a = Select(crossing, Fill<V>(kCrossing), best.spot_a);
-  best.spot_b = Select(crossing, Fill<V>(kCrossing), best.spot_b);
+  // Rounds spots / 8 down: adding this number leaves no room for a fraction.
+  const V no_fraction = Fill<V>(6755399441055744.0);
+  V spot_b = (best.spots * Fill<V>(0.125) - Fill<V>(0.4375) + no_fraction) - no_fraction;
+  V spot_a = best.spots - Fill<V>(8) * spot_b;
+  spot_a = Select(crossing, Fill<V>(kCrossing), spot_a);
+  spot_b = Select(crossing, Fill<V>(kCrossing), spot_b);
   if constexpr (!careful) {
-    best.spot_a = Select(needs_care & !crossing, best.spot_a + Fill<V>(kNeedsCare), best.spot_a);
+    spot_a = Select(needs_care & !crossing, spot_a + Fill<V>(kNeedsCare), spot_a);
   }
-  return best;
+  return {best.s, best.t, spot_a, spot_b};
 }
 
 template <class M, class V>

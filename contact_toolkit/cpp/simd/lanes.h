@@ -27,14 +27,31 @@ template <class M, class V>
 CT_INLINE V Select(M mask, V a, V b) {
   return mask ? a : b;
 }
+// As the processors' own instructions have it: the second operand where the comparison is false.
 template <class V>
 CT_INLINE V Least(V a, V b) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(V) == 64) return __builtin_ia32_minpd512_mask(a, b, a, -1, 4);
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 8) return __builtin_ia32_minpd256(a, b);
+  if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 4) return __builtin_ia32_minps256(a, b);
+#endif
   return Select(a < b, a, b);
 }
 template <class V>
 CT_INLINE V Most(V a, V b) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(V) == 64) return __builtin_ia32_maxpd512_mask(a, b, a, -1, 4);
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 8) return __builtin_ia32_maxpd256(a, b);
+  if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 4) return __builtin_ia32_maxps256(a, b);
+#endif
   return Select(a > b, a, b);
 }
+CT_INLINE double Least(double a, double b) { return a < b ? a : b; }
+CT_INLINE double Most(double a, double b) { return a > b ? a : b; }
 template <class V>
 CT_INLINE V Absolute(V a) {
   return Select(a < V{} , -a, a);
