@@ -1,1 +1,14 @@
 """Drake systems that put the contact toolkit into a multibody plant."""
+
+from systems.add_nonlinear_damper_contact import AddNonlinearDamperContact
+from systems.contact_config import ContactConfig, ContactLawConfig, FrictionConfig, PairConfig
+from systems.nonlinear_damper_contact import NonlinearDamperContact
+
+__all__ = [
+    "AddNonlinearDamperContact",
+    "ContactConfig",
+    "ContactLawConfig",
+    "FrictionConfig",
+    "NonlinearDamperContact",
+    "PairConfig",
+]

@@ -35,7 +35,7 @@ class ProximityMaterial:
 def read_material(
     properties: ProximityProperties, defaults: DefaultProximityProperties
 ) -> ProximityMaterial:
-    """Read the properties that bear on contact; what is missing comes from SceneGraph's defaults."""
+    """Read the properties that bear on contact; what is missing is as SceneGraph's defaults."""
 
     def read(group: str, name: str, default: Any) -> Any:
         return properties.GetPropertyOrDefault(group, name, default)

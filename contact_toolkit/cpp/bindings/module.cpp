@@ -15,6 +15,8 @@ void BindWitness(nanobind::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "The native core of the contact toolkit.";
+  // pydrake before 1.52 keeps systems written in Python, and what they hold, until the process ends.
+  nanobind::set_leak_warnings(false);
   contact_toolkit::BindMesh(m);
   contact_toolkit::BindWitness(m);
   contact_toolkit::BindPoint(m);

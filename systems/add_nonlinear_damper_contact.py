@@ -1,0 +1,82 @@
+"""Put nonlinear-damper contact into a diagram under construction."""
+
+from __future__ import annotations
+
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import DiagramBuilder
+
+from systems.body_names import BodyNames
+from systems.builtin_contact import take_over_pairs
+from systems.contact_config import ContactConfig
+from systems.contact_pairs import choose_geometry_pairs
+from systems.force_ports import add_generalized_force, add_spatial_forces
+from systems.model_import import import_contact_model
+from systems.nonlinear_damper_contact import NonlinearDamperContact
+
+
+def AddNonlinearDamperContact(
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    scene_graph: SceneGraph,
+    *,
+    config: ContactConfig | None = None,
+) -> NonlinearDamperContact:
+    """Let bodies of a plant touch by the nonlinear damper instead of Drake's own contact.
+
+    The collision geometries of the chosen pairs are taken away from built-in contact; all other
+    pairs keep it. Pairs that the user filtered stay filtered. Forces already connected to the
+    plant's force input ports are added to.
+
+    Parameters
+    ----------
+    builder
+        Holds the plant and the scene graph; not built yet.
+    plant
+        Finalized.
+    config
+        Settings; by default every pair touches, by the area web, with Drake's own parameters.
+
+    Returns
+    -------
+    NonlinearDamperContact
+        Added to the builder under the name "contact" and connected.
+
+    Raises
+    ------
+    ValueError
+        For settings that make no sense, body names the plant does not know, pairs that cannot
+        touch, and where a force input port of the plant is exported from the diagram.
+    MeshError
+        For a collision geometry that cannot be read; the geometry is named.
+    """
+    if not plant.is_finalized():
+        raise ValueError("plant must be finalized before contact is added: call plant.Finalize()")
+    config = ContactConfig() if config is None else config
+    names = BodyNames(plant)
+    pairs = choose_geometry_pairs(plant, scene_graph.model_inspector(), names, config.pairs)
+    model, bodies = import_contact_model(plant, scene_graph, names, pairs, config)
+    contact = NonlinearDamperContact(plant, model, bodies)
+    contact.set_name("contact")
+
+    take_over_pairs(scene_graph, plant.get_source_id(), pairs)
+    builder.AddSystem(contact)
+    if contact.uses_state:
+        builder.Connect(plant.get_state_output_port(), contact.get_state_input_port())
+        add_generalized_force(
+            builder,
+            contact.get_generalized_forces_output_port(),
+            plant.get_applied_generalized_force_input_port(),
+        )
+    if contact.uses_lists:
+        builder.Connect(plant.get_body_poses_output_port(), contact.get_body_poses_input_port())
+        builder.Connect(
+            plant.get_body_spatial_velocities_output_port(),
+            contact.get_body_spatial_velocities_input_port(),
+        )
+        add_spatial_forces(
+            builder,
+            contact.get_spatial_forces_output_port(),
+            plant.get_applied_spatial_force_input_port(),
+        )
+    return contact

@@ -1,0 +1,289 @@
+"""NonlinearDamperContact: contact forces between the bodies of a MultibodyPlant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+from weakref import WeakMethod
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common.value import AbstractValue, Value
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialForce, SpatialVelocity
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    InputPort,
+    LeafSystem,
+    OutputPort,
+    State,
+    ValueProducer,
+)
+
+from contact_toolkit import ContactModel, FloatingBodies, Forces, Found, StepTable
+from systems.body_motion import sort_by_motion
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+class NonlinearDamperContact(LeafSystem):
+    """Pushes and rubs the bodies of a plant that touch, in place of its built-in contact.
+
+    `AddNonlinearDamperContact` makes and connects one. By hand: connect the inputs to the plant's
+    output ports of the same names, and the first two outputs to its `applied_generalized_force` and
+    `applied_spatial_force`.
+
+    ```
+                              ┌──────────────────────────┐
+    state ───────────────────>│                          │──> generalized_forces
+    body_poses ──────────────>│  NonlinearDamperContact  │──> spatial_forces
+    body_spatial_velocities ─>│                          │──> contacts
+                              │       (step table)       │──> body_wrenches
+                              │                          │──> powers
+                              │                          │──> energies
+                              └──────────────────────────┘
+    ```
+
+    Floating bodies (on quaternions) are read from `state` and pushed by `generalized_forces`, which
+    costs next to nothing; the others are read from the lists and pushed by `spatial_forces`. Ports
+    that no body needs stay unconnected (see `uses_state`, `uses_lists`).
+
+    - `generalized_forces` (nv,); `spatial_forces`, one for each loaded body of the others.
+    - `contacts`: a `contact_toolkit.ContactArrays` in W, one row for each loaded spring.
+    - `body_wrenches` (6 nb,): torque about Bo [N m] and force [N] in W of each body of the model.
+    - `powers` (2,) [W]: lost in damping, lost to friction.
+    - `energies` (4,) [J]: stored in normal and in tangential deformation; lost in damping and to
+      friction until the last step.
+
+    The step table (friction anchors, losses, what speeds up the next search) is the only state; it
+    is replaced once an accepted step. Nothing changes in the object itself, so any number of
+    contexts run independently.
+
+    Parameters
+    ----------
+    plant
+        Finalized; continuous or discrete. A discrete plant takes contact forces explicitly.
+    model
+        The contact model.
+    bodies
+        The plant's body for each body of the model.
+    lists_only
+        Read and push floating bodies through the lists too: slower, and equal to round-off.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        model: ContactModel,
+        bodies: Sequence[BodyIndex],
+        *,
+        lists_only: bool = False,
+    ) -> None:
+        super().__init__()
+        self._model = model
+        self._bodies = tuple(bodies)
+        motion = sort_by_motion(plant, bodies, lists_only=lists_only)
+        self._listed = motion.listed
+        self._uses_state = bool(motion.floating)
+        self._rest_state = np.zeros(plant.num_positions() + plant.num_velocities())
+        self._floating_bodies = FloatingBodies(
+            motion.floating,
+            motion.q_start,
+            motion.v_start,
+            motion.X_WB,
+            num_positions=plant.num_positions(),
+            num_velocities=plant.num_velocities(),
+        )
+        self._declare_inputs()
+        table = Value[object]()
+        table.set_value(model.initial_table())
+        self._table = self.DeclareAbstractState(table)
+        self._declare_cache()
+        self._declare_outputs(plant.num_velocities())
+        self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
+
+    @property
+    def model(self) -> ContactModel:
+        """The contact model, with the geometries and pairs that `contacts` refers to."""
+        return self._model
+
+    @property
+    def bodies(self) -> tuple[BodyIndex, ...]:
+        """The plant's body for each body of the model."""
+        return self._bodies
+
+    @property
+    def uses_state(self) -> bool:
+        """Whether `state` must be connected, and `generalized_forces` carries forces."""
+        return self._uses_state
+
+    @property
+    def uses_lists(self) -> bool:
+        """Whether the list inputs must be connected, and `spatial_forces` carries forces."""
+        return bool(self._listed)
+
+    def get_state_input_port(self) -> InputPort:
+        """Return the port for the plant's `state`, positions then velocities."""
+        return self._state
+
+    def get_body_poses_input_port(self) -> InputPort:
+        """Return the port for the plant's `body_poses`."""
+        return self._body_poses
+
+    def get_body_spatial_velocities_input_port(self) -> InputPort:
+        """Return the port for the plant's `body_spatial_velocities`."""
+        return self._body_velocities
+
+    def get_generalized_forces_output_port(self) -> OutputPort:
+        """Return the port of the generalized forces on floating bodies."""
+        return self.GetOutputPort("generalized_forces")
+
+    def get_spatial_forces_output_port(self) -> OutputPort:
+        """Return the port of the spatial forces on the other bodies."""
+        return self.GetOutputPort("spatial_forces")
+
+    def get_contacts_output_port(self) -> OutputPort:
+        """Return the port of the loaded springs, a `contact_toolkit.ContactArrays` in W."""
+        return self.GetOutputPort("contacts")
+
+    def get_body_wrenches_output_port(self) -> OutputPort:
+        """Return the port of the wrenches on the bodies of the model."""
+        return self.GetOutputPort("body_wrenches")
+
+    def get_powers_output_port(self) -> OutputPort:
+        """Return the port of the power lost in damping and to friction [W]."""
+        return self.GetOutputPort("powers")
+
+    def get_energies_output_port(self) -> OutputPort:
+        """Return the port of the energies stored and lost [J]."""
+        return self.GetOutputPort("energies")
+
+    def _declare_inputs(self) -> None:
+        self._state = self.DeclareVectorInputPort("state", len(self._rest_state))
+        self._body_poses = self.DeclareAbstractInputPort(
+            "body_poses", AbstractValue.Make([RigidTransform()])
+        )
+        self._body_velocities = self.DeclareAbstractInputPort(
+            "body_spatial_velocities", AbstractValue.Make([SpatialVelocity()])
+        )
+
+    def _declare_cache(self) -> None:
+        # The springs do not depend on the step table: it only makes finding them faster.
+        self._found = self.DeclareCacheEntry(
+            "loaded springs",
+            ValueProducer(allocate=Value[object], calc=_without_owning(self._find)),
+            {self.input_port_ticket(port.get_index()) for port in (self._state, self._body_poses)},
+        )
+        self._forces = self.DeclareCacheEntry(
+            "forces",
+            ValueProducer(allocate=Value[object], calc=_without_owning(self._push)),
+            {
+                self._found.ticket(),
+                self.input_port_ticket(self._body_velocities.get_index()),
+                self.abstract_state_ticket(self._table),
+            },
+        )
+
+    def _declare_outputs(self, num_velocities: int) -> None:
+        forces = {self._forces.ticket()}
+        wrenches = 6 * len(self._bodies)
+        self.DeclareVectorOutputPort(
+            "generalized_forces", num_velocities, self._output_generalized_forces, forces
+        )
+        self.DeclareAbstractOutputPort(
+            "spatial_forces",
+            lambda: AbstractValue.Make([ExternallyAppliedSpatialForce()]),
+            self._output_spatial_forces,
+            forces,
+        )
+        self.DeclareAbstractOutputPort("contacts", Value[object], self._output_contacts, forces)
+        self.DeclareVectorOutputPort("body_wrenches", wrenches, self._output_wrenches, forces)
+        self.DeclareVectorOutputPort("powers", 2, self._output_powers, forces)
+        self.DeclareVectorOutputPort("energies", 4, self._output_energies, forces)
+
+    def _gather(self, context: Context) -> tuple[Floats, Floats]:
+        """Return poses and velocities from the state; those of listed bodies stay unset."""
+        state = self._state.Eval(context) if self._uses_state else self._rest_state
+        return self._floating_bodies.gather(state)
+
+    def _find(self, context: Context, found: AbstractValue) -> None:
+        X_WB, _ = self._gather(context)
+        if self._listed:
+            poses = self._body_poses.Eval(context)
+            for row, body in self._listed:
+                X_WB[row] = poses[body].GetAsMatrix4()
+        found.set_value(self._model.find(X_WB, self._eval_table(context)))
+
+    def _eval_velocities(self, context: Context) -> Floats:
+        _, V_WB = self._gather(context)
+        if self._listed:
+            velocities = self._body_velocities.Eval(context)
+            for row, body in self._listed:
+                V_WB[row] = velocities[body].get_coeffs()
+        return V_WB
+
+    def _push(self, context: Context, forces: AbstractValue) -> None:
+        found: Found = self._found.Eval(context)
+        V_WB = self._eval_velocities(context)
+        forces.set_value(self._model.forces(found, V_WB, self._eval_table(context)))
+
+    def _eval_table(self, context: Context) -> StepTable:
+        return context.get_abstract_state(self._table).get_value()
+
+    def _eval_forces(self, context: Context) -> Forces:
+        return self._forces.Eval(context)
+
+    def _advance(self, context: Context, state: State) -> None:
+        forces = self._eval_forces(context)
+        table = self._model.advance(self._eval_table(context), context.get_time(), forces)
+        state.get_mutable_abstract_state(self._table).set_value(table)
+
+    def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
+        wrenches = self._eval_forces(context).body_wrenches
+        output.SetFromVector(self._floating_bodies.scatter(wrenches))
+
+    def _output_spatial_forces(self, context: Context, output: AbstractValue) -> None:
+        wrenches = self._eval_forces(context).body_wrenches
+        loaded = wrenches.any(axis=1)
+        output.set_value(
+            [_spatial_force(body, wrenches[row]) for row, body in self._listed if loaded[row]]
+        )
+
+    def _output_contacts(self, context: Context, output: AbstractValue) -> None:
+        output.set_value(self._eval_forces(context).contacts)
+
+    def _output_wrenches(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._eval_forces(context).body_wrenches.ravel())
+
+    def _output_powers(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._eval_forces(context).powers)
+
+    def _output_energies(self, context: Context, output: BasicVector) -> None:
+        stored, lost = self._eval_forces(context).energies, self._eval_table(context).losses
+        output.SetFromVector(np.concatenate([stored, lost]))
+
+
+def _without_owning(
+    calc: Callable[[Context, AbstractValue], None],
+) -> Callable[[Context, AbstractValue], None]:
+    """Break the circle system, cache entry, method, system: else no diagram is ever freed."""
+    method = WeakMethod(calc)
+
+    def calc_weakly(context: Context, value: AbstractValue) -> None:
+        bound = method()
+        assert bound is not None  # the system evaluates its own cache
+        bound(context, value)
+
+    return calc_weakly
+
+
+def _spatial_force(body: BodyIndex, wrench: Floats) -> ExternallyAppliedSpatialForce:
+    """Return a wrench about Bo as Drake takes it."""
+    force = ExternallyAppliedSpatialForce()
+    force.body_index = body
+    force.p_BoBq_B = np.zeros(3)
+    force.F_Bq_W = SpatialForce(wrench[:3], wrench[3:])
+    return force

@@ -1,0 +1,100 @@
+"""Work out the contact law of two geometries from settings, materials and their properties."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from contact_toolkit import CollisionMesh, ContactPair, NonlinearDamper
+from systems.contact_config import ContactLawConfig, FrictionConfig
+from systems.proximity_material import ProximityMaterial
+
+_SKIN = 0.01  # of the smaller geometry's diagonal: thin beside it, yet soft enough to integrate
+
+
+@dataclass(frozen=True)
+class Side:
+    """One geometry of a pair: its index in the contact model, its mesh, and what it is made of."""
+
+    index: int
+    mesh: CollisionMesh
+    material: ProximityMaterial
+
+
+def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
+    """Return the pair with every parameter decided: by `law`, else by the materials of the sides.
+
+    Raises ValueError for values that make no sense, and where one is needed that nothing tells.
+    """
+    web = _web(law.web)
+    if web == "facet" and law.standoff is None:
+        raise ValueError(
+            "the facet web needs a distance [m] > 0 at which contact begins: set standoff"
+        )
+    n = 1.0 if law.n is None else law.n
+    damper = NonlinearDamper(
+        k=_stiffness(a, b, web, n, law.skin) if law.k is None else law.k,
+        alpha=2 / 3 * _dissipation(a.material, b.material) if law.alpha is None else law.alpha,
+        n=n,
+        adhesion=bool(law.adhesion),
+    )
+    return ContactPair(
+        a.index,
+        b.index,
+        damper,
+        web=web,
+        **_given(law, "standoff", "weighting", "field", "resolution", "fillet"),
+    )
+
+
+def overlay(base: ContactLawConfig, exception: ContactLawConfig) -> ContactLawConfig:
+    """Return `base` with whatever `exception` sets."""
+    names = [field.name for field in dataclasses.fields(ContactLawConfig)]
+    settings = _given(base, *names) | _given(exception, *names)
+    given = vars(base.friction) | _given(exception.friction, *vars(exception.friction))
+    return ContactLawConfig(**settings | {"friction": FrictionConfig(**given)})
+
+
+def _web(web: str | None) -> Literal["area", "facet"]:
+    match web:
+        case None | "area":
+            return "area"
+        case "facet":
+            return "facet"
+        case _:
+            raise ValueError(f"web must be 'area' or 'facet', not {web!r}")
+
+
+def _given(settings: object, *names: str) -> dict[str, Any]:
+    values = {name: getattr(settings, name) for name in names}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _stiffness(a: Side, b: Side, web: str, n: float, skin: float | None) -> float:
+    if n != 1:
+        raise ValueError(f"Drake's properties are of linear springs: with n = {n}, set k")
+    if web == "facet":
+        k = _in_series(a.material.point_stiffness, b.material.point_stiffness)
+    else:
+        if skin is None:
+            skin = _SKIN * min(a.mesh.diagonal, b.mesh.diagonal)
+        if not skin > 0:
+            raise ValueError(f"skin must be a thickness [m] > 0, not {skin}")
+        k = _in_series(a.material.modulus, b.material.modulus) / skin
+    if not math.isfinite(k):
+        raise ValueError("neither geometry gives way: set k, or make one compliant")
+    return k
+
+
+def _in_series(a: float, b: float) -> float:
+    return 1 / (1 / a + 1 / b) if math.isfinite(a) or math.isfinite(b) else math.inf
+
+
+def _dissipation(a: ProximityMaterial, b: ProximityMaterial) -> float:
+    """Combine as Drake does: the softer side, which deforms more, counts more."""
+    if a.modulus == b.modulus:
+        return (a.dissipation + b.dissipation) / 2
+    series = _in_series(a.modulus, b.modulus)
+    return series / a.modulus * a.dissipation + series / b.modulus * b.dissipation
