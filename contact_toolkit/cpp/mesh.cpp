@@ -2,28 +2,14 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <tuple>
 #include <unordered_map>
 
 #include "tolerances.h"
+#include "vertex_hash.h"
 
 namespace contact_toolkit {
 namespace {
-
-struct VertexHash {
-  std::size_t operator()(const Vec3& v) const {
-    std::size_t hash = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double value = v[i] + 0.0;  // -0.0 and 0.0 weld
-      std::uint64_t bits;
-      std::memcpy(&bits, &value, sizeof bits);
-      hash = (hash ^ bits) * 0x9e3779b97f4a7c15ull;
-      hash ^= hash >> 32;
-    }
-    return hash;
-  }
-};
 
 std::string Short(double x) {
   char text[32];

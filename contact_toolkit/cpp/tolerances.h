@@ -38,4 +38,8 @@ inline constexpr double kTouching = 1e-14;
 // from the closest point is then round-off, and the pseudonormal stands in.
 inline constexpr double kOnSurface = 1e-13;
 
+// [-] A body's thickness is known to this share: it decides which of two bodies the area web samples
+// (those within 1 % count as equal) and how deep a contact may be.
+inline constexpr double kThicknessTolerance = 2e-3;
+
 }  // namespace contact_toolkit

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 namespace contact_toolkit {
+void BindArea(nanobind::module_& m);
 void BindContact(nanobind::module_& m);
 void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
@@ -18,6 +19,7 @@ NB_MODULE(_core, m) {
   // pydrake before 1.52 keeps systems written in Python, and what they hold, until the process ends.
   nanobind::set_leak_warnings(false);
   contact_toolkit::BindMesh(m);
+  contact_toolkit::BindArea(m);
   contact_toolkit::BindWitness(m);
   contact_toolkit::BindPoint(m);
   contact_toolkit::BindFloatingBodies(m);

@@ -1,0 +1,65 @@
+// The area web: an elastic foundation between two bodies. The surface of one (sampled) carries
+// nodes, each probes the signed distance phi of the other (probed); the deformation d = standoff -
+// phi is taken as linear between nodes and integrated in closed form over the part of the surface
+// where it is positive. Node i has the elastic force K I_i along the gradient of phi: together the
+// exact gradient of the stored energy. K is a pressure per deformation [Pa/mⁿ], so the answer does
+// not depend on either mesh.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "area_body.h"
+#include "spring_web.h"
+
+namespace contact_toolkit {
+
+enum class AreaField {
+  kExact,   // the distance itself; its gradient jumps where the closest facet changes
+  kSmooth,  // SmoothField: continuous forces, at a tenth of the time; convex edges slightly rounded
+};
+enum class AreaSide { kThinner, kA, kB };
+
+struct AreaWebOptions {
+  double stiffness = 0;  // [Pa/mⁿ] K
+  double exponent = 1;   // n
+  double standoff = 0;   // [m] a shell about the probed body; an open one needs it
+  AreaField field = AreaField::kSmooth;
+  double resolution = 0.02;  // node spacing, as a share of the smaller bounding box's diagonal
+  AreaSide sampled = AreaSide::kThinner;
+};
+
+class AreaWeb final : public SpringWeb {
+ public:
+  // By default the thinner body is sampled: it is the one that a deep contact would push out of the
+  // wrong side. Bodies within 1 %: the one of more facets, then A. An open body is probed unless
+  // both are. Throws std::invalid_argument naming the option and the mend.
+  AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBody> B,
+          const AreaWebOptions& options);
+
+  // Keys name nodes. `deformation` is that of the node itself: slightly negative where only part of
+  // its facets is loaded. Whichever body is sampled, rows speak of A and B as SpringSet says.
+  void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
+
+  double reach() const override;
+
+  bool samples_a() const { return samples_a_; }
+  double spacing() const { return spacing_; }
+  double cell() const { return cell_; }  // [m] of the smooth field; 0 with the exact one
+  // [m] Deeper than this a node no longer knows the way out; infinite for an open probed body.
+  double capture_depth() const { return capture_depth_; }
+
+ private:
+  template <typename Probe>
+  class Finder;
+
+  AreaWebOptions options_;
+  bool samples_a_;
+  double spacing_, cell_ = 0, capture_depth_;
+  std::shared_ptr<const ProbedSurface> surface_;
+  std::shared_ptr<const AreaNodes> nodes_;
+  std::shared_ptr<const DistanceBounds> bounds_;
+  std::shared_ptr<const SmoothField> smooth_;  // null with the exact field
+};
+
+}  // namespace contact_toolkit

@@ -1,0 +1,66 @@
+#include "area_web.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include "arrays.h"
+
+namespace contact_toolkit {
+namespace {
+
+using Mesh = std::shared_ptr<const CollisionMesh>;
+
+nb::dict Find(const AreaWeb& web, PoseIn X_AB) {
+  SpringSet springs;
+  {
+    const nb::gil_scoped_release release;
+    web.FindSprings(Pose::FromMatrix(X_AB.data()), &springs);
+  }
+  nb::dict rows;
+  rows["key"] = ToNumpy<std::uint64_t>(std::move(springs.key));
+  rows["deformation"] = ToNumpy(std::move(springs.deformation));
+  rows["elastic"] = ToNumpy(std::move(springs.elastic));
+  rows["energy"] = ToNumpy(std::move(springs.energy));
+  rows["stiffness"] = ToNumpy(std::move(springs.stiffness));
+  rows["p_AC"] = ToNumpy(std::move(springs.p_AC));
+  rows["gradient_A"] = ToNumpy(std::move(springs.gradient_A));
+  rows["p_ACa"] = ToNumpy(std::move(springs.p_ACa));
+  rows["p_ACb"] = ToNumpy(std::move(springs.p_ACb));
+  rows["status"] = springs.status;
+  rows["probed"] = springs.facet_pairs;
+  return rows;
+}
+
+}  // namespace
+
+void BindArea(nb::module_& m) {
+  nb::enum_<AreaField>(m, "AreaField")
+      .value("exact", AreaField::kExact)
+      .value("smooth", AreaField::kSmooth);
+  nb::enum_<AreaSide>(m, "AreaSide")
+      .value("thinner", AreaSide::kThinner)
+      .value("a", AreaSide::kA)
+      .value("b", AreaSide::kB);
+  nb::class_<AreaBody>(m, "AreaBody")
+      .def(nb::init<Mesh>(), nb::arg("mesh"))
+      .def_prop_ro("thickness", &AreaBody::thickness);
+  nb::class_<AreaWeb>(m, "AreaWeb")
+      .def(
+          "__init__",
+          [](AreaWeb* self, std::shared_ptr<AreaBody> A, std::shared_ptr<AreaBody> B,
+             double stiffness, double n, double standoff, AreaField field, double resolution,
+             AreaSide sampled) {
+            const nb::gil_scoped_release release;
+            new (self) AreaWeb(A, B, {stiffness, n, standoff, field, resolution, sampled});
+          },
+          nb::arg("A"), nb::arg("B"), nb::arg("stiffness"), nb::arg("n") = 1.0,
+          nb::arg("standoff") = 0.0, nb::arg("field") = AreaField::kSmooth,
+          nb::arg("resolution") = 0.02, nb::arg("sampled") = AreaSide::kThinner)
+      .def("find", &Find, nb::arg("X_AB").noconvert())
+      .def_prop_ro("samples_a", &AreaWeb::samples_a)
+      .def_prop_ro("spacing", &AreaWeb::spacing)
+      .def_prop_ro("cell", &AreaWeb::cell)
+      .def_prop_ro("capture_depth", &AreaWeb::capture_depth);
+}
+
+}  // namespace contact_toolkit

@@ -1,0 +1,43 @@
+#include "probed_surface.h"
+
+#include <utility>
+
+namespace contact_toolkit {
+
+ProbedSurface::ProbedSurface(std::shared_ptr<const CollisionMesh> mesh)
+    : mesh_(std::move(mesh)), closed_(mesh_->defects().closed()) {
+  if (closed_) return;
+  boundary_vertex_.resize(mesh_->vertices().size(), 0);
+  const MeshDefects& defects = mesh_->defects();
+  // Where more than two facets meet or their windings disagree, sides have no meaning either.
+  for (const auto* edges :
+       {&defects.open_edges, &defects.non_manifold_edges, &defects.inconsistent_edges}) {
+    for (const std::int32_t edge : *edges) {
+      for (const std::int32_t v : mesh_->edges()[edge]) boundary_vertex_[v] = 1;
+    }
+  }
+}
+
+bool ProbedSurface::OnBoundary(const Feature& feature) const {
+  switch (feature.kind) {
+    case FeatureKind::kVertex:
+      return boundary_vertex_[feature.index];
+    case FeatureKind::kEdge: {
+      // Also an inner edge that joins two boundary vertices: a side not told is only noticed later.
+      const auto [a, b] = mesh_->edges()[feature.index];
+      return boundary_vertex_[a] && boundary_vertex_[b];
+    }
+    default:
+      return false;
+  }
+}
+
+FieldValue ProbedSurface::Probe(const Vec3& p, std::int32_t hint_slot) const {
+  const SignedDistance at = FindSignedDistance(*mesh_, p, hint_slot);
+  if (closed_) return {at.distance, at.gradient, 0, at.slot};
+  const double side = at.distance < 0 ? -1 : 1;
+  return {side * at.distance, side * at.gradient,
+          OnBoundary(at.feature) ? 0 : static_cast<int>(side), at.slot};
+}
+
+}  // namespace contact_toolkit

@@ -1,0 +1,148 @@
+#include "smooth_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace contact_toolkit {
+
+// A node of the tree over the bricks: of the lowest level it holds bricks, else branches.
+struct SmoothField::Branch {
+  static constexpr int kChildren = kFanout * kFanout * kFanout;
+  explicit Branch(int level)
+      : branches(level > 0 ? new FirstTouch<Branch>[kChildren] : nullptr),
+        bricks(level > 0 ? nullptr : new FirstTouch<Brick>[kChildren]) {}
+  std::unique_ptr<FirstTouch<Branch>[]> branches;
+  std::unique_ptr<FirstTouch<Brick>[]> bricks;
+};
+
+SmoothField::SmoothField(std::shared_ptr<const ProbedSurface> surface, double cell)
+    : surface_(std::move(surface)), cell_(cell) {
+  const CollisionMesh& mesh = surface_->mesh();
+  origin_ = 0.5 * (mesh.lower() + mesh.upper());
+  // The tree covers the surface and as much again on either side.
+  double covered = kBrick * kFanout * cell_;
+  while (covered < 3 * mesh.diagonal()) covered *= kFanout, ++levels_;
+  root_ = std::make_unique<Branch>(levels_ - 1);
+}
+
+SmoothField::~SmoothField() = default;
+
+Vec3 SmoothField::LatticePoint(std::int32_t i, std::int32_t j, std::int32_t k) const {
+  return origin_ + Vec3{i * cell_, j * cell_, k * cell_};
+}
+
+void SmoothField::FillBrick(const std::array<std::int32_t, 3>& brick, Brick* filled) const {
+  std::int32_t row_hint = -1;
+  double* at = filled->coefficients.data();
+  for (int i = 0; i < kPoints; ++i) {
+    for (int j = 0; j < kPoints; ++j) {
+      std::int32_t hint = row_hint;
+      for (int k = 0; k < kPoints; ++k) {
+        const FieldValue value = surface_->Probe(
+            LatticePoint(brick[0] * kBrick + i, brick[1] * kBrick + j, brick[2] * kBrick + k),
+            hint);
+        *at++ = value.phi;
+        hint = value.slot;
+        if (k == 0) row_hint = hint;
+      }
+    }
+  }
+}
+
+// Null where nothing is kept: far outside, or when there are too many.
+const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 3>& brick) const {
+  std::int64_t span = 1;  // bricks a child of this level has a side
+  for (int level = 1; level < levels_; ++level) span *= kFanout;
+  const std::int64_t half = span * kFanout / 2;
+  std::array<std::int64_t, 3> at;
+  for (int i = 0; i < 3; ++i) {
+    at[i] = brick[i] + half;
+    if (at[i] < 0 || at[i] >= 2 * half) return nullptr;
+  }
+  const Branch* branch = root_.get();
+  for (int level = levels_ - 1;; --level, span /= kFanout) {
+    std::int64_t child = 0;
+    for (int i = 0; i < 3; ++i) {
+      child = child * kFanout + at[i] / span;
+      at[i] %= span;
+    }
+    if (level == 0) {
+      const FirstTouch<Brick>& slot = branch->bricks[child];
+      if (const Brick* found = slot.Peek()) return found;
+      if (bricks_.fetch_add(1, std::memory_order_relaxed) >= kMostBricks) {
+        bricks_.fetch_sub(1, std::memory_order_relaxed);
+        return nullptr;
+      }
+      return &slot.Get([&] {
+        auto* made = new Brick;
+        FillBrick(brick, made);
+        return made;
+      });
+    }
+    branch = &branch->branches[child].Get([&] { return new Branch(level - 1); });
+  }
+}
+
+FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
+  // Of the three basis functions over a cell, the middle one is centred on the closest lattice
+  // point.
+  std::array<std::int32_t, 3> base, brick;
+  double w[3][3], dw[3][3];
+  for (int i = 0; i < 3; ++i) {
+    const double x = (p[i] - origin_[i]) / cell_;
+    const double closest = std::floor(x + 0.5);
+    const double t = x - closest;  // in [-1/2, 1/2]
+    base[i] = static_cast<std::int32_t>(closest) - 1;
+    brick[i] = base[i] >> 3;
+    w[i][0] = 0.5 * (0.5 - t) * (0.5 - t), w[i][1] = 0.75 - t * t;
+    w[i][2] = 0.5 * (0.5 + t) * (0.5 + t);
+    dw[i][0] = t - 0.5, dw[i][1] = -2 * t, dw[i][2] = t + 0.5;
+  }
+  static_assert(kBrick == 1 << 3);
+  double few[3 * 3 * 3];
+  const double* first;
+  int row = kPoints, plane = kPoints * kPoints;
+  if (brick != cursor->brick || cursor->coefficients == nullptr) {
+    const Brick* found = FindBrick(brick);
+    cursor->brick = brick;
+    cursor->coefficients = found ? found->coefficients.data() : nullptr;
+  }
+  if (cursor->coefficients) {
+    first = cursor->coefficients + (base[0] & 7) * plane + (base[1] & 7) * row + (base[2] & 7);
+  } else {
+    double* at = few;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        for (int k = 0; k < 3; ++k) {
+          *at++ = surface_->Probe(LatticePoint(base[0] + i, base[1] + j, base[2] + k)).phi;
+        }
+      }
+    }
+    first = few, row = 3, plane = 9;
+  }
+  using Row = double __attribute__((vector_size(16)));
+  Row low{}, low_x{}, low_y{};
+  double high = 0, high_x = 0, high_y = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double* c = first + i * plane + j * row;
+      Row pair;
+      std::memcpy(&pair, c, sizeof pair);
+      const double value = w[0][i] * w[1][j], by_x = dw[0][i] * w[1][j], by_y = w[0][i] * dw[1][j];
+      low += value * pair, low_x += by_x * pair, low_y += by_y * pair;
+      high += value * c[2], high_x += by_x * c[2], high_y += by_y * c[2];
+    }
+  }
+  const auto along = [&](const Row& pair, double last, const double* weight) {
+    return weight[0] * pair[0] + weight[1] * pair[1] + weight[2] * last;
+  };
+  FieldValue value;
+  value.phi = along(low, high, w[2]);
+  value.gradient =
+      Vec3{along(low_x, high_x, w[2]), along(low_y, high_y, w[2]), along(low, high, dw[2])} / cell_;
+  return value;
+}
+
+}  // namespace contact_toolkit
