@@ -10,13 +10,10 @@ from facet_cases import CASES
 pytestmark = pytest.mark.engine
 
 
-_PENDING = pytest.mark.xfail(strict=False, reason="crossings of needles are 1e-8 off")
-
-
 @pytest.mark.parametrize("query", QUERIES)
 @pytest.mark.parametrize(
     "cases",
-    [pytest.param(c, marks=_PENDING if c.__name__ == "needles" else ()) for c in CASES],
+    CASES,
     ids=lambda cases: cases.__name__,
 )
 def test_worst_error(query, cases, record_property):

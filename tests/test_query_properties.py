@@ -173,7 +173,6 @@ def test_growing_standoff_only_adds(a, b, rng):
         np.testing.assert_array_equal(rows[order], kept[kept_order], err_msg=name)
 
 
-@pytest.mark.xfail(strict=False, reason="bounds below 1e-160 vanish when squared")
 @some
 @given(shapes, shapes, rngs, st.floats(0, 3))
 def test_upper_bound_changes_no_answer_below_it(a, b, rng, upper_bound):

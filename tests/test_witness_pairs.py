@@ -47,15 +47,9 @@ def _poses(A, B, rng):
         yield pose(random_rotation(rng)) if k % 30 == 0 else random_pose(rng, reach)
 
 
-_PENDING = pytest.mark.xfail(strict=False, reason="witness points are 2e-12 off the sliver")
-
-
 @pytest.mark.parametrize(
     "shapes",
-    [
-        pytest.param(s, id=n, marks=_PENDING if n == "sliver-sliver" else ())
-        for n, s in SHAPE_PAIRS.items()
-    ],
+    [pytest.param(shapes, id=name) for name, shapes in SHAPE_PAIRS.items()],
 )
 def test_equals_brute_force(shapes):
     """A pair missed by culling, a pair too many, a wrong distance or witness point."""
@@ -71,7 +65,7 @@ def test_equals_brute_force(shapes):
         _check_witnesses(A, B, X_AB, found, _TOLERANCE * size)
         crossings += np.count_nonzero(expected.distance == 0)
         pairs_seen += len(expected)
-    assert pairs_seen > _POSES / 10
+    assert pairs_seen >= _POSES / 10
     assert crossings > _POSES / 10 or len(A.faces) == 1
 
 

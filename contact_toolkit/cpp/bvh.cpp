@@ -59,8 +59,8 @@ class Builder {
     return 0.5 * (boxes_[facet].lower[axis] + boxes_[facet].upper[axis]);
   }
 
-  // Splits a range in two where the surface area heuristic is least; near the leaves at a multiple of
-  // the node width, so that bottom nodes are full.
+  // Splits a range in two where the surface area heuristic is least; near the leaves at a multiple
+  // of the node width, so that bottom nodes are full.
   std::pair<Range, Range> Split(const Range& range) {
     Box centers;
     for (int i = 0; i < range.count; ++i) {
@@ -147,8 +147,8 @@ class Builder {
     }
     if (best_axis < 0) return range.count / 2;  // all centres coincide
     const auto begin = order_.begin() + range.first, end = begin + range.count;
-    const auto middle = std::stable_partition(
-        begin, end, [&](int f) { return bin_of(f, best_axis) < best_bin; });
+    const auto middle =
+        std::stable_partition(begin, end, [&](int f) { return bin_of(f, best_axis) < best_bin; });
     return static_cast<int>(middle - begin);
   }
 
@@ -220,11 +220,13 @@ class Builder {
       std::sort(v.begin(), v.end());
       bvh_.slot_vertices[slot] = v;
       for (int c = 0; c < 3; ++c) {
-        for (int i = 0; i < 3; ++i) bvh_.slot_coordinates[9 * slot + 3 * c + i] = vertices_[v[c]][i];
+        for (int i = 0; i < 3; ++i)
+          bvh_.slot_coordinates[9 * slot + 3 * c + i] = vertices_[v[c]][i];
       }
       const Vec3 u = vertices_[v[1]] - vertices_[v[0]], w = vertices_[v[2]] - vertices_[v[0]];
       const double longest = std::max({SquaredNorm(u), SquaredNorm(w), SquaredNorm(u - w)});
       bvh_.slot_thin[slot] = !(SquaredNorm(Cross(u, w)) > kThinFacet * longest * longest);
+      bvh_.any_thin = bvh_.any_thin || bvh_.slot_thin[slot];
     }
     for (const BvhNode& node : bvh_.nodes) {
       if (node.bottom()) FillBlock(node, &bvh_.blocks[node.block]);

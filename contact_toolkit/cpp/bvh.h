@@ -1,5 +1,5 @@
-// A bounding volume hierarchy, eight children wide, over the facets of a mesh. Axis-aligned boxes in
-// single precision, rounded outwards and taken relative to the mesh's centre, one array lane a
+// A bounding volume hierarchy, eight children wide, over the facets of a mesh. Axis-aligned boxes
+// in single precision, rounded outwards and taken relative to the mesh's centre, one array lane a
 // child, so that a box is tested against eight others by one run of vector instructions.
 // Binned SAH build: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007;
 // wide collapse: Wald, Benthin, Boulos, "Getting rid of packets", 2008.
@@ -18,8 +18,8 @@ constexpr int kBvhWidth = 8;
 
 // An inner node's children are nodes; a bottom node's children are single facets.
 struct alignas(64) BvhNode {
-  float center[3][kBvhWidth];  // relative to Bvh::origin; unused lanes repeat lane 0
-  float half[3][kBvhWidth];    // half extents; unused lanes hold -infinity, which no test passes
+  float center[3][kBvhWidth];     // relative to Bvh::origin; unused lanes repeat lane 0
+  float half[3][kBvhWidth];       // half extents; unused lanes hold -infinity, which no test passes
   std::int32_t child[kBvhWidth];  // inner: index into nodes; bottom: slot (see Bvh); unused: -1
   std::int32_t count = 0;
   std::int32_t block = -1;  // index into Bvh::blocks of a bottom node; -1 for an inner node
@@ -47,6 +47,7 @@ struct Bvh {
   std::vector<std::array<std::int32_t, 3>> slot_vertices;
   std::vector<double> slot_coordinates;
   std::vector<std::uint8_t> slot_thin;  // 1 where the fast facet kernel would lose accuracy
+  bool any_thin = false;
   int depth = 0;
 
   std::size_t MemoryBytes() const;

@@ -11,7 +11,8 @@ namespace {
 class Search {
  public:
   Search(const PosedPair& pair, double upper_bound)
-      : pair_(pair), best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)) {}
+      : pair_(pair),
+        best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)) {}
 
   void Visit(std::int32_t index_a, std::int32_t index_b) {
     const Bvh &A = pair_.A.bvh(), &B = pair_.B.bvh();
@@ -82,8 +83,9 @@ class Search {
       }
     }
     if (bits == 0) return;
-    bits = pair_.kernels.cull_by_planes(pair_.A.bvh().blocks[a.block], pair_.B.bvh().blocks[b.block],
-                                        pair_.cull, static_cast<float>(std::sqrt(best_)), bits);
+    bits =
+        pair_.kernels.cull_by_planes(pair_.A.bvh().blocks[a.block], pair_.B.bvh().blocks[b.block],
+                                     pair_.cull, static_cast<float>(std::sqrt(best_)), bits);
     chunk_.count = 0;
     for (; bits != 0; bits &= bits - 1) {
       const int bit = __builtin_ctzll(bits);

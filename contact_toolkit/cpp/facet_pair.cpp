@@ -141,17 +141,26 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
   measure(false, chunk);
   thread_local FacetPairs again;
   thread_local int where[FacetPairs::kCapacity];
-  again.count = 0;
-  for (int k = 0; k < chunk->count; ++k) {
-    const int slot_a = chunk->slot_a[k], slot_b = chunk->slot_b[k];
-    if (chunk->spot_a[k] < kNeedsCare && !a.slot_thin[slot_a] && !b.slot_thin[slot_b]) continue;
-    again.slot_a[again.count] = slot_a;
-    again.slot_b[again.count] = slot_b;
-    where[again.count++] = k;
-  }
-  if (again.count == 0) return;
-  measure(true, &again);
-  for (int i = 0; i < again.count; ++i) chunk->CopyMeasured(where[i], again, i);
+  const auto measure_again = [&](const auto& wanted, const auto& kernel) {
+    again.count = 0;
+    for (int k = 0; k < chunk->count; ++k) {
+      if (!wanted(k)) continue;
+      again.slot_a[again.count] = chunk->slot_a[k];
+      again.slot_b[again.count] = chunk->slot_b[k];
+      where[again.count++] = k;
+    }
+    if (again.count > 0) kernel(&again);
+    for (int i = 0; i < again.count; ++i) chunk->CopyMeasured(where[i], again, i);
+  };
+  measure_again([&](int k) { return chunk->spot_a[k] >= kNeedsCare; },
+                [&](FacetPairs* pairs) { measure(true, pairs); });
+  if (!a.any_thin && !b.any_thin) return;
+  measure_again(
+      [&](int k) { return a.slot_thin[chunk->slot_a[k]] || b.slot_thin[chunk->slot_b[k]]; },
+      [&](FacetPairs* pairs) {
+        ThinFacetDistances(a.slot_coordinates.data(), b.slot_coordinates.data(), pair.matrix,
+                           pairs);
+      });
 }
 
 FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k) {

@@ -1,5 +1,5 @@
-// Facet pairs between a kernel's raw answer (case, parameters) and a row of a result (witness points,
-// features, normal).
+// Facet pairs between a kernel's raw answer (case, parameters) and a row of a result (witness
+// points, features, normal).
 #pragma once
 
 #include "mesh.h"

@@ -1,4 +1,5 @@
-// CollisionMesh: a validated triangle mesh with its adjacency, pseudonormals, defects and hierarchy.
+// CollisionMesh: a validated triangle mesh with its adjacency, pseudonormals, defects and
+// hierarchy.
 #pragma once
 
 #include <array>
@@ -33,8 +34,8 @@ struct MeshDefects {
   std::vector<std::int32_t> non_manifold_edges;  // three facets or more
   std::vector<std::int32_t> inconsistent_edges;  // two facets that run the edge the same way
   std::vector<std::int32_t> zero_area_facets;
-  std::vector<std::int32_t> duplicate_facets;    // same three vertices as an earlier facet
-  std::vector<std::int32_t> unused_vertices;     // no facet touches them; no query sees them
+  std::vector<std::int32_t> duplicate_facets;  // same three vertices as an earlier facet
+  std::vector<std::int32_t> unused_vertices;   // no facet touches them; no query sees them
 
   // Whether the surface bounds a solid, so that "inside" has a meaning.
   bool closed() const {

@@ -14,16 +14,17 @@ inline constexpr double kMinExtent = 1e-15;
 // roundings of 6e-8 each. Too small and pairs are missed.
 inline constexpr double kCullingSlack = 2e-6;
 
-// [-] A facet is thin when |n|² < kThinFacet · (longest edge)⁴, n the cross product of two edges: below
-// it the plane through the facet is less accurate than 1e-12 and the careful kernel takes over.
+// [-] A facet is thin when |n|² < kThinFacet · (longest edge)⁴, n the cross product of two edges:
+// below it the plane through the facet is less accurate than 1e-12 and the careful kernel takes
+// over.
 inline constexpr double kThinFacet = 1e-7;
 
 // [-] Two edges are nearly parallel when sin² of their angle is below this: the fast kernel's dot
 // products then lose more than three digits, and the careful kernel takes over.
 inline constexpr double kNearlyParallel = 1e-5;
 
-// [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves the
-// witness points apart by less than 1e-14 of the edges' lengths.
+// [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
+// the witness points apart by less than 1e-14 of the edges' lengths.
 inline constexpr double kParallel = 1e-28;
 
 // [-] A witness point within this share of an edge's length from its end lies on the end vertex, a
@@ -34,8 +35,8 @@ inline constexpr double kOnFeature = 1e-9;
 // rounding, and gives no direction.
 inline constexpr double kTouching = 1e-14;
 
-// [-] A point closer to an edge or vertex than this share of the mesh's size is on it: the direction
-// from the closest point is then round-off, and the pseudonormal stands in.
+// [-] A point closer to an edge or vertex than this share of the mesh's size is on it: the
+// direction from the closest point is then round-off, and the pseudonormal stands in.
 inline constexpr double kOnSurface = 1e-13;
 
 // [-] A body's thickness is known to this share: it decides which of two bodies the area web samples

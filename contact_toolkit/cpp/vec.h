@@ -1,5 +1,5 @@
-// Small fixed-size linear algebra, by value. Monogram names: X_AB is the pose of frame B in frame A,
-// p_AB_A a position from Ao to Bo expressed in A.
+// Small fixed-size linear algebra, by value. Monogram names: X_AB is the pose of frame B in frame
+// A, p_AB_A a position from Ao to Bo expressed in A.
 #pragma once
 
 #include <array>

@@ -141,8 +141,7 @@ std::vector<NodePair> Split(const PosedPair& pair, double reach, std::size_t eno
         continue;
       }
       grew = true;
-      const std::uint64_t bits =
-          pair.kernels.box_pairs(a, b, pair.cull, static_cast<float>(reach));
+      const std::uint64_t bits = pair.kernels.box_pairs(a, b, pair.cull, static_cast<float>(reach));
       Traversal<RowWriter>::ForChildren(a, b, task, bits,
                                         [&](NodePair child) { finer.push_back(child); });
     }

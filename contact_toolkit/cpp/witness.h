@@ -30,7 +30,7 @@ using Column = std::vector<T, Unset<T>>;
 
 // Rows in a fixed order given by the meshes and the pose, whatever the number of threads.
 struct WitnessPairs {
-  Column<double> distance;   // [m]; 0 where the facets cross
+  Column<double> distance;    // [m]; 0 where the facets cross
   Column<Vec3> p_ACa, p_ACb;  // witness points; equal where the facets cross
   Column<Vec3> normal_A;      // unit, from B towards A
   Column<std::int32_t> facet_a, facet_b;
@@ -42,7 +42,8 @@ struct WitnessPairs {
 };
 
 struct WitnessOptions {
-  bool merge = true;  // one row for all facet pairs whose closest points lie on the same two features
+  bool merge =
+      true;  // one row for all facet pairs whose closest points lie on the same two features
   int threads = 1;
 };
 

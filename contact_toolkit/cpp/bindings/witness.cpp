@@ -30,8 +30,8 @@ nb::dict Rows(WitnessPairs&& pairs) {
   return rows;
 }
 
-nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB, double standoff,
-                        bool merge, int threads) {
+nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
+                        double standoff, bool merge, int threads) {
   WitnessPairs pairs;
   {
     const nb::gil_scoped_release release;

@@ -1,5 +1,5 @@
-// Culling in single precision: eight boxes or facets of A against those of B, one by one. Included by
-// one source file per instruction set, inside an unnamed namespace.
+// Culling in single precision: eight boxes or facets of A against those of B, one by one. Included
+// by one source file per instruction set, inside an unnamed namespace.
 #pragma once
 
 #include "simd/kernels.h"
@@ -46,13 +46,11 @@ std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB,
 }
 
 void BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float bound[64]) {
-  ForBoxes(a, b, X_AB, [&](int j, Float8 squared) {
-    Store8(bound + 8 * j, squared * 0.9999f);
-  });
+  ForBoxes(a, b, X_AB, [&](int j, Float8 squared) { Store8(bound + 8 * j, squared * 0.9999f); });
 }
 
-std::uint64_t CullByPlanes(const FacetBlock& a, const FacetBlock& b, const CullPose& X,
-                           float reach, std::uint64_t pairs) {
+std::uint64_t CullByPlanes(const FacetBlock& a, const FacetBlock& b, const CullPose& X, float reach,
+                           std::uint64_t pairs) {
   const float limit = reach * 1.0001f + X.slack;
   alignas(32) float corner[3][3][8], normal[3][8], offset[8];
   for (int c = 0; c < 3; ++c) {

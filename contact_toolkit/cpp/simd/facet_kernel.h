@@ -1,13 +1,15 @@
-// The distance between triangles, several pairs at once. Included by one source file per instruction
-// set, inside an unnamed namespace.
+// The distance between triangles, several pairs at once. Included by one source file per
+// instruction set, inside an unnamed namespace.
 //
 // The closest points lie on a corner and an edge (18 cases), inside two edges (9), on a corner and
 // inside a facet (6), or the facets cross (an edge pierces a facet: 6). The fast kernel solves edge
-// pairs with dot products and takes heights over planes for facet insides; where that loses accuracy
-// (thin facets, nearly parallel edges) it asks for the careful one, in which every candidate is a
-// pair of points of the two facets whose difference is measured, so that rounding of its parameters
-// enters the distance only to second order.
+// pairs with dot products and takes heights over planes for facet insides; where that loses
+// accuracy (thin facets, nearly parallel edges) it asks for the careful one, in which every
+// candidate is a pair of points of the two facets whose difference is measured, so that rounding of
+// its parameters enters the distance only to second order.
 #pragma once
+
+#include <type_traits>
 
 #include "simd/kernels.h"
 #include "simd/lanes.h"
@@ -75,7 +77,8 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     inv_bb[e] = Select(bb[e] > zero, one / bb[e], zero);
   }
   // r · d for every corner against every edge of the other facet.
-  V rb[3][3], ra[3][3];  // rb[i][f] = (A_i − base of f) · db_f;  ra[j][e] = (base of e − B_j) · da_e
+  V rb[3][3],
+      ra[3][3];  // rb[i][f] = (A_i − base of f) · db_f;  ra[j][e] = (base of e − B_j) · da_e
   for (int i = 0; i < 3; ++i) {
     for (int f = 0; f < 3; ++f) {
       rb[i][f] = Dot(r[i][kEdgeBase[f]], db[f]);
@@ -184,7 +187,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     crossing = crossing | through_a | through_b;
   }
   // Rounds spots / 8 down: adding this number leaves no room for a fraction.
-  const V no_fraction = Fill<V>(6755399441055744.0);
+  const V no_fraction = Fill<V>(std::is_same_v<V, long double> ? 0x1.8p63 : 0x1.8p52);
   V spot_b = (best.spots * Fill<V>(0.125) - Fill<V>(0.4375) + no_fraction) - no_fraction;
   V spot_a = best.spots - Fill<V>(8) * spot_b;
   spot_a = Select(crossing, Fill<V>(kCrossing), spot_a);
@@ -200,10 +203,12 @@ CT_INLINE Vec<V> Select(M mask, const Vec<V>& a, const Vec<V>& b) {
   return {Select(mask, a.x, b.x), Select(mask, a.y, b.y), Select(mask, a.z, b.z)};
 }
 
-// The point of facet P at a spot; `along` is its share of an edge. The ends of edges come out exactly.
+// The point of facet P at a spot; `along` is its share of an edge. The ends of edges come out
+// exactly.
 template <class V>
 CT_INLINE Vec<V> PointAt(const Vec<V> (&P)[3], V spot, V along, V s, V t) {
-  const auto on_corner1 = spot == Fill<V>(kOnCorner + 1), on_corner2 = spot == Fill<V>(kOnCorner + 2);
+  const auto on_corner1 = spot == Fill<V>(kOnCorner + 1),
+             on_corner2 = spot == Fill<V>(kOnCorner + 2);
   const auto on_edge0 = spot == Fill<V>(kOnEdge), on_edge1 = spot == Fill<V>(kOnEdge + 1);
   const auto on_edge2 = spot == Fill<V>(kOnEdge + 2), inside = spot == Fill<V>(kInside);
   const Vec<V> base = Select(on_corner2, P[2], Select(on_corner1 | on_edge1, P[1], P[0]));
@@ -220,6 +225,13 @@ template <class V>
 CT_INLINE void Store(double* to, V value) {
   __builtin_memcpy(to, &value, sizeof value);
 }
+CT_INLINE void Store(double* to, long double value) { *to = static_cast<double>(value); }
+
+template <class V>
+CT_INLINE void Load(const double* from, V* value) {
+  __builtin_memcpy(value, from, sizeof *value);
+}
+CT_INLINE void Load(const double* from, long double* value) { *value = *from; }
 
 // Loads lane-wise: entry (corner, axis) of each lane's facet.
 template <class V, int lanes>
@@ -230,15 +242,14 @@ CT_INLINE void LoadFacets(const double* coordinates, const std::int32_t* slots, 
       const double* p = coordinates + 9 * static_cast<std::int64_t>(slots[k]) + 3 * c;
       x[k] = p[0], y[k] = p[1], z[k] = p[2];
     }
-    __builtin_memcpy(&P[c].x, x, sizeof x);
-    __builtin_memcpy(&P[c].y, y, sizeof y);
-    __builtin_memcpy(&P[c].z, z, sizeof z);
+    Load(x, &P[c].x);
+    Load(y, &P[c].y);
+    Load(z, &P[c].z);
   }
 }
 
-template <int lanes, bool careful>
+template <class V, int lanes, bool careful>
 void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPairs* pairs) {
-  using V = typename LanesOf<lanes>::Type;
   // Fill the last batch up with copies of the last pair.
   for (int k = pairs->count; k % lanes != 0; ++k) {
     pairs->slot_a[k] = pairs->slot_a[pairs->count - 1];
@@ -281,10 +292,11 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
 template <int lanes>
 void FacetDistances(const double* a, const double* b, const double* X_AB, bool careful,
                     FacetPairs* pairs) {
+  using V = typename LanesOf<lanes>::Type;
   if (careful) {
-    FacetDistancesOf<lanes, true>(a, b, X_AB, pairs);
+    FacetDistancesOf<V, lanes, true>(a, b, X_AB, pairs);
   } else {
-    FacetDistancesOf<lanes, false>(a, b, X_AB, pairs);
+    FacetDistancesOf<V, lanes, false>(a, b, X_AB, pairs);
   }
 }
 

@@ -18,8 +18,8 @@ struct CullPose {
   float slack;  // [m] covers all single-precision rounding
 };
 
-// Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of the
-// slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
+// Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of
+// the slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
 inline constexpr int kOnCorner = 0;    // + corner
 inline constexpr int kOnEdge = 3;      // + edge; at the share s (on A) or t (on B) of its length
 inline constexpr int kInside = 6;      // at barycentric coordinates (1 - s - t, s, t)
@@ -65,11 +65,15 @@ struct Kernels {
   std::uint64_t (*cull_by_planes)(const FacetBlock& a, const FacetBlock& b, const CullPose& X_AB,
                                   float reach, std::uint64_t pairs);
 
-  // Least distances of all pairs in the chunk. a, b: Bvh::slot_coordinates; X_AB: row-major rotation
-  // (9) and translation (3). `careful` never leaves kNeedsCare.
+  // Least distances of all pairs in the chunk. a, b: Bvh::slot_coordinates; X_AB: row-major
+  // rotation (9) and translation (3). `careful` never leaves kNeedsCare.
   void (*facet_distances)(const double* a, const double* b, const double* X_AB, bool careful,
                           FacetPairs* pairs);
 };
+
+// The careful kernel in extended precision, one pair at a time: for thin facets, whose planes and
+// crossings double precision cannot tell.
+void ThinFacetDistances(const double* a, const double* b, const double* X_AB, FacetPairs* pairs);
 
 const Kernels& ScalarKernels();
 #if CT_X86

@@ -4,9 +4,13 @@
 
 namespace contact_toolkit {
 
+void ThinFacetDistances(const double* a, const double* b, const double* X_AB, FacetPairs* pairs) {
+  FacetDistancesOf<long double, 1, true>(a, b, X_AB, pairs);
+}
+
 const Kernels& ScalarKernels() {
-  static constexpr Kernels kernels{"scalar",     1,           BoxPairs,
-                                   BoxBounds, CullByPlanes, FacetDistances<1>};
+  static constexpr Kernels kernels{"scalar",         1, BoxPairs, BoxBounds, CullByPlanes,
+                                   FacetDistances<1>};
   return kernels;
 }
 

@@ -1,6 +1,6 @@
-// Vectors of doubles or floats by compiler extension, and the few operations they lack. A lane type of
-// one is plain double, so that the kernels' source is the same for all widths.
-// Everything is in an unnamed namespace: each instruction set must get code of its own.
+// Vectors of doubles or floats by compiler extension, and the few operations they lack. A lane type
+// of one is plain double, so that the kernels' source is the same for all widths. Everything is in
+// an unnamed namespace: each instruction set must get code of its own.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,7 @@ using Mask8 = std::int32_t __attribute__((vector_size(32)));
 #define CT_INLINE inline __attribute__((always_inline))
 
 CT_INLINE double Select(bool mask, double a, double b) { return mask ? a : b; }
+CT_INLINE long double Select(bool mask, long double a, long double b) { return mask ? a : b; }
 template <class M, class V>
 CT_INLINE V Select(M mask, V a, V b) {
   return mask ? a : b;
@@ -52,11 +53,14 @@ CT_INLINE V Most(V a, V b) {
 }
 CT_INLINE double Least(double a, double b) { return a < b ? a : b; }
 CT_INLINE double Most(double a, double b) { return a > b ? a : b; }
+CT_INLINE long double Least(long double a, long double b) { return a < b ? a : b; }
+CT_INLINE long double Most(long double a, long double b) { return a > b ? a : b; }
 template <class V>
 CT_INLINE V Absolute(V a) {
-  return Select(a < V{} , -a, a);
+  return Select(a < V{}, -a, a);
 }
 CT_INLINE double SquareRoot(double a) { return __builtin_sqrt(a); }
+CT_INLINE long double SquareRoot(long double a) { return __builtin_sqrtl(a); }
 template <class V>
 CT_INLINE V SquareRoot(V a) {
 #if defined(__AVX512F__)
@@ -85,8 +89,7 @@ CT_INLINE void Store8(float* p, Float8 v) { __builtin_memcpy(p, &v, sizeof v); }
 // Bit k is set where lane k of a comparison holds.
 CT_INLINE std::uint64_t Bits(Mask8 mask) {
 #if defined(__AVX2__)
-  return static_cast<std::uint32_t>(
-      __builtin_ia32_movmskps256(reinterpret_cast<Float8>(mask)));
+  return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Float8>(mask)));
 #else
   std::uint64_t bits = 0;
   for (int k = 0; k < 8; ++k) bits |= static_cast<std::uint64_t>(mask[k] & 1) << k;
