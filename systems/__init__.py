@@ -3,6 +3,7 @@
 from systems.add_nonlinear_damper_contact import AddNonlinearDamperContact
 from systems.contact_config import ContactConfig, ContactLawConfig, FrictionConfig, PairConfig
 from systems.nonlinear_damper_contact import NonlinearDamperContact
+from systems.witness_pair_visualizer import WitnessPairVisualizer
 
 __all__ = [
     "AddNonlinearDamperContact",
@@ -11,4 +12,5 @@ __all__ = [
     "FrictionConfig",
     "NonlinearDamperContact",
     "PairConfig",
+    "WitnessPairVisualizer",
 ]
