@@ -6,127 +6,12 @@
 #include "facet_pair.h"
 #include "merge_table.h"
 #include "parallel.h"
+#include "row_writer.h"
 #include "tolerances.h"
+#include "traversal.h"
 
 namespace contact_toolkit {
 namespace {
-
-struct NodePair {
-  std::int32_t a, b;
-};
-
-// Finds the facet pairs within reach, in a fixed order, and hands them on in measured chunks.
-template <class Sink>
-class Traversal {
- public:
-  Traversal(const PosedPair& pair, double reach, Sink* sink)
-      : pair_(pair), reach_(static_cast<float>(reach)), sink_(*sink) {}
-
-  void Run(NodePair start) {
-    Visit(start);
-    Flush();
-  }
-
- private:
-  void Visit(NodePair pair) {
-    if (stopped_) return;
-    const Bvh &A = pair_.A.bvh(), &B = pair_.B.bvh();
-    const BvhNode &a = A.nodes[pair.a], &b = B.nodes[pair.b];
-    std::uint64_t bits = pair_.kernels.box_pairs(a, b, pair_.cull, reach_);
-    if (bits == 0) return;
-    if (a.bottom() && b.bottom()) {
-      bits = pair_.kernels.cull_by_planes(A.blocks[a.block], B.blocks[b.block], pair_.cull, reach_,
-                                          bits);
-      for (; bits != 0; bits &= bits - 1) {
-        const int bit = __builtin_ctzll(bits);
-        Add(a.child[bit & 7], b.child[bit >> 3]);
-      }
-    } else {
-      ForChildren(a, b, pair, bits, [this](NodePair child) { Visit(child); });
-    }
-  }
-
-  void Add(std::int32_t slot_a, std::int32_t slot_b) {
-    chunk_.slot_a[chunk_.count] = slot_a;
-    chunk_.slot_b[chunk_.count] = slot_b;
-    if (++chunk_.count == FacetPairs::kCapacity) Flush();
-  }
-
-  void Flush() {
-    MeasureFacetPairs(pair_, &chunk_);
-    if (!stopped_) stopped_ = !sink_(chunk_);
-    chunk_.count = 0;
-  }
-
-  const PosedPair& pair_;
-  const float reach_;
-  Sink& sink_;
-  FacetPairs chunk_;
-  bool stopped_ = false;
-
- public:
-  // Calls visit for the pairs of children whose bits are set; a bottom node stays while the other
-  // side descends.
-  template <class Visit>
-  static void ForChildren(const BvhNode& a, const BvhNode& b, NodePair pair, std::uint64_t bits,
-                          Visit visit) {
-    for (int j = 0; j < b.count; ++j) {
-      const std::uint64_t row = bits >> (8 * j) & 0xff;
-      if (a.bottom()) {
-        if (row != 0) visit(NodePair{pair.a, b.child[j]});
-        continue;
-      }
-      if (b.bottom()) break;
-      for (std::uint64_t rest = row; rest != 0; rest &= rest - 1) {
-        visit(NodePair{a.child[__builtin_ctzll(rest)], b.child[j]});
-      }
-    }
-    if (b.bottom()) {
-      std::uint64_t column = bits;
-      for (int shift = 32; shift >= 8; shift /= 2) column |= column >> shift;
-      for (column &= 0xff; column != 0; column &= column - 1) {
-        visit(NodePair{a.child[__builtin_ctzll(column)], pair.b});
-      }
-    }
-  }
-};
-
-// Turns measured chunks into rows.
-struct RowWriter {
-  const PosedPair& pair;
-  double standoff;
-  bool merge;
-  MergeTable* table;
-  WitnessPairs* rows;
-
-  bool operator()(const FacetPairs& chunk) {
-    auto next = static_cast<std::int32_t>(rows->size());
-    rows->Resize(next + chunk.count);
-    for (int k = 0; k < chunk.count; ++k) {
-      if (chunk.distance[k] > standoff) continue;
-      const FeaturePair features = FeaturesOf(pair, chunk, k);
-      std::int32_t* row = merge ? table->Find(features.key()) : nullptr;
-      if (row != nullptr && *row >= 0) {
-        ++rows->multiplicity[*row];
-        continue;
-      }
-      const Witness w = WitnessOf(pair, chunk, k);
-      if (row != nullptr) *row = next;
-      rows->distance[next] = w.distance;
-      rows->p_ACa[next] = w.p_ACa;
-      rows->p_ACb[next] = w.p_ACb;
-      rows->normal_A[next] = w.normal_A;
-      rows->facet_a[next] = pair.A.bvh().slot_facet[chunk.slot_a[k]];
-      rows->facet_b[next] = pair.B.bvh().slot_facet[chunk.slot_b[k]];
-      rows->feature_a[next] = features.a;
-      rows->feature_b[next] = features.b;
-      rows->multiplicity[next] = 1;
-      ++next;
-    }
-    rows->Resize(next);
-    return true;
-  }
-};
 
 // Splits the traversal into node pairs whose results, one after the other, are those of the whole.
 std::vector<NodePair> Split(const PosedPair& pair, double reach, std::size_t enough) {
@@ -215,6 +100,18 @@ void WitnessPairs::Resize(std::size_t rows) {
   feature_a.resize(rows);
   feature_b.resize(rows);
   multiplicity.resize(rows);
+}
+
+void WitnessPairs::Reserve(std::size_t rows) {
+  distance.reserve(rows);
+  p_ACa.reserve(rows);
+  p_ACb.reserve(rows);
+  normal_A.reserve(rows);
+  facet_a.reserve(rows);
+  facet_b.reserve(rows);
+  feature_a.reserve(rows);
+  feature_b.reserve(rows);
+  multiplicity.reserve(rows);
 }
 
 void FindWitnessPairs(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,

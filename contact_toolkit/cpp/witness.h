@@ -39,6 +39,7 @@ struct WitnessPairs {
 
   std::size_t size() const { return distance.size(); }
   void Resize(std::size_t rows);
+  void Reserve(std::size_t rows);
 };
 
 struct WitnessOptions {

@@ -1,9 +1,11 @@
 #include "witness.h"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/shared_ptr.h>
 
 #include "arrays.h"
 #include "simd/kernels.h"
+#include "witness_cache.h"
 
 namespace contact_toolkit {
 
@@ -16,7 +18,17 @@ struct Element<Feature> {
 
 namespace {
 
+// Columns about as long as those of the last query, so that they need not grow row by row.
+thread_local std::size_t last_rows = 0;
+
+WitnessPairs RoomForRows() {
+  WitnessPairs pairs;
+  pairs.Reserve(last_rows + last_rows / 8 + FacetPairs::kCapacity);
+  return pairs;
+}
+
 nb::dict Rows(WitnessPairs&& pairs) {
+  last_rows = pairs.size();
   nb::dict rows;
   rows["distance"] = ToNumpy(std::move(pairs.distance));
   rows["p_ACa"] = ToNumpy(std::move(pairs.p_ACa));
@@ -32,10 +44,19 @@ nb::dict Rows(WitnessPairs&& pairs) {
 
 nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
                         double standoff, bool merge, int threads) {
-  WitnessPairs pairs;
+  WitnessPairs pairs = RoomForRows();
   {
     const nb::gil_scoped_release release;
     FindWitnessPairs(A, B, Pose::FromMatrix(X_AB.data()), standoff, {merge, threads}, &pairs);
+  }
+  return Rows(std::move(pairs));
+}
+
+nb::dict CachedWitnessPairs(WitnessCache& cache, PoseIn X_AB, double standoff, bool merge) {
+  WitnessPairs pairs = RoomForRows();
+  {
+    const nb::gil_scoped_release release;
+    cache.FindWitnessPairs(Pose::FromMatrix(X_AB.data()), standoff, merge, &pairs);
   }
   return Rows(std::move(pairs));
 }
@@ -76,6 +97,13 @@ void BindWitness(nb::module_& m) {
   m.def("distance", &DistanceOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
         nb::arg("upper_bound"));
   m.def("intersects", &IntersectsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"));
+  nb::class_<WitnessCache>(m, "WitnessCache")
+      .def(nb::init<std::shared_ptr<const CollisionMesh>, std::shared_ptr<const CollisionMesh>,
+                    double>(),
+           nb::arg("A"), nb::arg("B"), nb::arg("slack"))
+      .def_prop_ro("gathered", &WitnessCache::gathered)
+      .def("witness_pairs", &CachedWitnessPairs, nb::arg("X_AB"), nb::arg("standoff"),
+           nb::arg("merge"));
   m.def("simd", [] { return ActiveKernels().name; });
   m.def("select_simd", &SelectKernels, nb::arg("name"));
 }

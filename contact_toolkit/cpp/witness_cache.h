@@ -1,0 +1,62 @@
+// Temporal coherence: facet pairs gathered once around a pose answer all queries near it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "mesh.h"
+#include "vec.h"
+#include "witness.h"
+
+namespace contact_toolkit {
+
+// All facet pairs within standoff + slack of each other at a reference pose, in the traversal's
+// order, with their distances there. A distance changes at most as far as any point of B moves, so
+// near that pose no other pair can come within the standoff, and most of those that cannot either
+// are passed over untested. Immutable. The meshes must outlive it.
+class WitnessCandidates {
+ public:
+  WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
+                    double standoff, double slack);
+
+  // Whether the answer at this pose is sure to be complete.
+  bool Covers(const Pose& X_AB, double standoff) const { return standoff + Motion(X_AB) <= reach_; }
+
+  // The same rows, bit for bit, as a query from scratch. Call only where covered.
+  void FindWitnessPairs(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs) const;
+
+  std::size_t size() const { return slot_a_.size(); }
+
+ private:
+  // [m] An upper bound of how far any point of B has moved in A since the reference pose.
+  double Motion(const Pose& X_AB) const;
+
+  const CollisionMesh& A_;
+  const CollisionMesh& B_;
+  Pose X_AB_;
+  double reach_;
+  std::vector<std::int32_t> slot_a_, slot_b_;
+  std::vector<double> distance_;
+};
+
+// Witness pairs along a motion: gathers candidates anew whenever the pose has left their slack.
+// Not to be shared between threads.
+class WitnessCache {
+ public:
+  // slack [m]: 0 chooses a quarter of each query's standoff.
+  WitnessCache(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
+               double slack);
+
+  void FindWitnessPairs(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs);
+
+  int gathered() const { return gathered_; }  // how often candidates had to be gathered
+
+ private:
+  std::shared_ptr<const CollisionMesh> A_, B_;
+  double slack_;
+  std::unique_ptr<const WitnessCandidates> candidates_;
+  int gathered_ = 0;
+};
+
+}  // namespace contact_toolkit
