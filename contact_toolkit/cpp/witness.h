@@ -4,29 +4,13 @@
 
 #include <cstdint>
 #include <limits>
-#include <memory>
-#include <utility>
 #include <vector>
 
+#include "column.h"
 #include "mesh.h"
 #include "vec.h"
 
 namespace contact_toolkit {
-
-// A vector whose new elements are not set: they are written once, by the query.
-template <class T>
-struct Unset : std::allocator<T> {
-  template <class U>
-  struct rebind {
-    using other = Unset<U>;
-  };
-  template <class U, class... Args>
-  void construct(U* p, Args&&... args) {
-    if constexpr (sizeof...(Args) > 0) ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
-  }
-};
-template <class T>
-using Column = std::vector<T, Unset<T>>;
 
 // Rows in a fixed order given by the meshes and the pose, whatever the number of threads.
 struct WitnessPairs {

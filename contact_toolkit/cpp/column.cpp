@@ -1,0 +1,56 @@
+#include "column.h"
+
+#include <bit>
+#include <mutex>
+
+namespace contact_toolkit {
+namespace {
+
+constexpr std::size_t kSmallest = 1 << 16, kMostHeld = 1 << 27;  // [bytes]
+
+struct Stock {
+  std::mutex mutex;
+  std::vector<void*> blocks[64];  // by the logarithm of their size
+  std::size_t held = 0;
+};
+
+// Never destroyed: arrays may outlive every other object of the process.
+Stock& TheStock() {
+  static auto* stock = new Stock;
+  return *stock;
+}
+
+}  // namespace
+
+void* TakeBlock(std::size_t bytes) {
+  if (bytes < kSmallest) return ::operator new(bytes);
+  const std::size_t size = std::bit_ceil(bytes);
+  Stock& stock = TheStock();
+  {
+    const std::lock_guard lock(stock.mutex);
+    std::vector<void*>& blocks = stock.blocks[std::countr_zero(size)];
+    if (!blocks.empty()) {
+      void* block = blocks.back();
+      blocks.pop_back();
+      stock.held -= size;
+      return block;
+    }
+  }
+  return ::operator new(size);
+}
+
+void GiveBlock(void* block, std::size_t bytes) noexcept {
+  if (bytes >= kSmallest) {
+    const std::size_t size = std::bit_ceil(bytes);
+    Stock& stock = TheStock();
+    const std::lock_guard lock(stock.mutex);
+    if (stock.held + size <= kMostHeld) {
+      stock.blocks[std::countr_zero(size)].push_back(block);
+      stock.held += size;
+      return;
+    }
+  }
+  ::operator delete(block);
+}
+
+}  // namespace contact_toolkit
