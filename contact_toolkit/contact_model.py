@@ -115,7 +115,7 @@ class ContactModel:
         self._native = _core.ContactModel(
             len(self._bodies),
             [
-                _core.ContactGeometry(geometry.mesh._core, body, _rigid(geometry))  # noqa: SLF001
+                _core.ContactGeometry(geometry.mesh._core, body, _rigid(geometry))
                 for geometry, body in zip(self._geometries, self._body_of, strict=True)
             ],
             [self._native_pair(i) for i in range(len(self._pairs))],
@@ -224,8 +224,8 @@ class ContactModel:
                 f"{where}: weighting must be one of {list(weightings)}, not {pair.weighting!r}"
             )
         web = _core.FacetWeb(
-            a.mesh._core,  # noqa: SLF001
-            b.mesh._core,  # noqa: SLF001
+            a.mesh._core,
+            b.mesh._core,
             damper.k,
             damper.n,
             pair.standoff,

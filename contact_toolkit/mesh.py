@@ -28,8 +28,8 @@ class MeshDefects:
     Attributes
     ----------
     open_edges, non_manifold_edges, inconsistent_edges
-        Into `CollisionMesh.edges`: edges of one facet (the boundary of an open surface), of three or
-        more, and of two facets whose windings disagree.
+        Into `CollisionMesh.edges`: edges of one facet (the boundary of an open surface), of three
+        or more, and of two facets whose windings disagree.
     zero_area_facets, duplicate_facets
         Into `CollisionMesh.faces`; a duplicate has the three vertices of an earlier facet.
     unused_vertices

@@ -88,8 +88,9 @@ def distance(
 ) -> ClosestPair:
     """Find the closest points of two meshes.
 
-    Distances are between surfaces: zero where they cross, positive where one body lies wholly inside
-    the other. Where several pairs are equally close, any one of them is returned, always the same.
+    Distances are between surfaces: zero where they cross, positive where one body lies wholly
+    inside the other. Where several pairs are equally close, one of them is returned, always the
+    same.
 
     Parameters
     ----------
@@ -138,9 +139,9 @@ def witness_pairs(
     standoff
         [m], at least 0.
     merge
-        Give one row, with its count as `multiplicity`, for all facet pairs whose closest points lie on
-        the same two features: two neighbouring facets whose closest point is their common vertex are
-        one contact, not two.
+        Give one row, with its count as `multiplicity`, for all facet pairs whose closest points
+        lie on the same two features: two neighbouring facets whose closest point is their common
+        vertex are one contact, not two.
     threads
         Number of threads to work on.
     """
@@ -155,9 +156,9 @@ def witness_pairs(
 class WitnessCache:
     """`witness_pairs` along a motion, several times faster while the pose changes little.
 
-    Facet pairs are gathered once within a slack beyond the standoff; as long as no point of B has moved
-    through the slack, only they are tested. The rows are those of `witness_pairs` bit for bit. Not to
-    be shared between threads.
+    Facet pairs are gathered once within a slack beyond the standoff; as long as no point of B has
+    moved through the slack, only they are tested. The rows are those of `witness_pairs` bit for
+    bit. Not to be shared between threads.
 
     Parameters
     ----------
@@ -189,7 +190,7 @@ def _require_standoff(standoff: float) -> None:
 
 
 def as_pose(X: ArrayLike, name: str = "X_AB") -> NDArray[np.float64]:
-    """Return a pose as a contiguous (4, 4) array; raise ValueError unless it is a rigid transform."""
+    """Return a pose as a contiguous (4, 4) array; raise ValueError unless it is rigid."""
     pose = np.ascontiguousarray(X, dtype=np.float64)
     if pose.shape != (4, 4):
         raise ValueError(f"{name} must be a (4, 4) homogeneous matrix, not of shape {pose.shape}")
@@ -204,7 +205,7 @@ def as_pose(X: ArrayLike, name: str = "X_AB") -> NDArray[np.float64]:
         or (pose[3] != (0, 0, 0, 1)).any()
     ):
         raise ValueError(
-            f"{name} is not a rigid transform: its upper left block must be a rotation and its last "
-            f"row 0 0 0 1; found\n{pose}"
+            f"{name} is not a rigid transform: its upper left block must be a rotation and its "
+            f"last row 0 0 0 1; found\n{pose}"
         )
     return pose

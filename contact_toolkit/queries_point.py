@@ -78,4 +78,4 @@ def signed_distance(A: CollisionMesh, points: ArrayLike, *, threads: int = 1) ->
         )
     if threads < 1:
         raise ValueError(f"threads must be at least 1, not {threads}")
-    return SignedDistances(*_core.signed_distance(A._core, p_AQ, threads))  # noqa: SLF001
+    return SignedDistances(*_core.signed_distance(A._core, p_AQ, threads))
