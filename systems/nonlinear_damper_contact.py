@@ -56,7 +56,7 @@ class NonlinearDamperContact(LeafSystem):
     - `body_wrenches` (6 nb,): torque about Bo [N m] and force [N] in W of each body of the model.
     - `powers` (2,) [W]: lost in damping, lost to friction.
     - `energies` (4,) [J]: stored in normal and in tangential deformation; lost in damping and to
-      friction until the last step.
+      friction since the start, summed by the trapezoidal rule over steps.
 
     The step table (friction anchors, losses, what speeds up the next search) is the only state; it
     is replaced once an accepted step. Nothing changes in the object itself, so any number of
@@ -202,7 +202,9 @@ class NonlinearDamperContact(LeafSystem):
         self.DeclareAbstractOutputPort("contacts", Value[object], self._output_contacts, forces)
         self.DeclareVectorOutputPort("body_wrenches", wrenches, self._output_wrenches, forces)
         self.DeclareVectorOutputPort("powers", 2, self._output_powers, forces)
-        self.DeclareVectorOutputPort("energies", 4, self._output_energies, forces)
+        self.DeclareVectorOutputPort(
+            "energies", 4, self._output_energies, forces | {self.time_ticket()}
+        )
 
     def _gather(self, context: Context) -> tuple[Floats, Floats]:
         """Return poses and velocities from the state; those of listed bodies stay unset."""
@@ -236,10 +238,13 @@ class NonlinearDamperContact(LeafSystem):
     def _eval_forces(self, context: Context) -> Forces:
         return self._forces.Eval(context)
 
-    def _advance(self, context: Context, state: State) -> None:
+    def _eval_advanced_table(self, context: Context) -> StepTable:
+        """Return the step table as it would be were the present the end of a step."""
         forces = self._eval_forces(context)
-        table = self._model.advance(self._eval_table(context), context.get_time(), forces)
-        state.get_mutable_abstract_state(self._table).set_value(table)
+        return self._model.advance(self._eval_table(context), context.get_time(), forces)
+
+    def _advance(self, context: Context, state: State) -> None:
+        state.get_mutable_abstract_state(self._table).set_value(self._eval_advanced_table(context))
 
     def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
         wrenches = self._eval_forces(context).body_wrenches
@@ -262,7 +267,8 @@ class NonlinearDamperContact(LeafSystem):
         output.SetFromVector(self._eval_forces(context).powers)
 
     def _output_energies(self, context: Context, output: BasicVector) -> None:
-        stored, lost = self._eval_forces(context).energies, self._eval_table(context).losses
+        stored = self._eval_forces(context).energies
+        lost = self._eval_advanced_table(context).losses
         output.SetFromVector(np.concatenate([stored, lost]))
 
 
