@@ -1,0 +1,268 @@
+"""NonlinearDamperContact as a Drake system: routes, independence of contexts, reproducibility."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from pydrake.geometry import Box, Capsule
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+    RigidBody,
+    RpyFloatingJoint,
+    SpatialInertia,
+    UnitInertia,
+)
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, DiagramBuilder
+
+from contact_toolkit import NonlinearDamper
+from systems import AddNonlinearDamperContact, ContactConfig, NonlinearDamperContact
+
+CONFIG = {"web": "facet", "standoff": 0.02, "k": 2e3, "alpha": 0.3}
+
+
+def rewire_by_lists(
+    builder: DiagramBuilder, plant: MultibodyPlant, contact: NonlinearDamperContact
+) -> NonlinearDamperContact:
+    """Put in its place one that is wired by hand, by lists alone."""
+    by_lists = NonlinearDamperContact(plant, contact.model, contact.bodies, lists_only=True)
+    builder.RemoveSystem(contact)
+    builder.AddSystem(by_lists)
+    builder.Connect(plant.get_body_poses_output_port(), by_lists.get_body_poses_input_port())
+    builder.Connect(
+        plant.get_body_spatial_velocities_output_port(),
+        by_lists.get_body_spatial_velocities_input_port(),
+    )
+    builder.Connect(
+        by_lists.get_spatial_forces_output_port(), plant.get_applied_spatial_force_input_port()
+    )
+    return by_lists
+
+
+class Tumble:
+    """Two capsules thrown onto a plate that is welded to the world askew, one above the other."""
+
+    def __init__(self, *, lists_only: bool = False, time_step: float = 0.0, **config) -> None:
+        builder = DiagramBuilder()
+        self.plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+        slippery = CoulombFriction(0, 0)
+        inertia = SpatialInertia.SolidCapsuleWithMass(0.5, 0.04, 0.1, [0, 0, 1])
+        self.capsules = [self.plant.AddRigidBody(name, inertia) for name in ("low", "high")]
+        for capsule in self.capsules:
+            self.plant.RegisterCollisionGeometry(
+                capsule, RigidTransform([0, 0, 0.01]), Capsule(0.04, 0.1), "capsule", slippery
+            )
+        plate = self.plant.AddRigidBody("plate", inertia)
+        tilted = RigidTransform(RollPitchYaw(0.1, 0.2, 0.0), [0, 0, -0.1])
+        self.plant.WeldFrames(self.plant.world_frame(), plate.body_frame(), tilted)
+        self.plant.RegisterCollisionGeometry(
+            plate, RigidTransform(), Box(1, 1, 0.1), "plate", slippery
+        )
+        self.plant.Finalize()
+        settings = ContactConfig(tessellation_tolerance=0.1, **CONFIG | config)
+        self.contact = AddNonlinearDamperContact(builder, self.plant, scene_graph, config=settings)
+        if lists_only:
+            self.contact = rewire_by_lists(builder, self.plant, self.contact)
+        self.diagram = builder.Build()
+
+    def simulator(self, spin: float = 3.0, *, accuracy: float = 1e-3) -> Simulator:
+        simulator = Simulator(self.diagram)
+        if self.plant.time_step() == 0:
+            simulator.get_mutable_integrator().set_target_accuracy(accuracy)
+        plant_context = self.plant.GetMyContextFromRoot(simulator.get_mutable_context())
+        for i, capsule in enumerate(self.capsules):
+            X_WB = RigidTransform(RollPitchYaw(0.3 + i, 0.5, 0), [0.02 * i, 0, 0.05 + 0.15 * i])
+            self.plant.SetFreeBodyPose(plant_context, capsule, X_WB)
+        self.plant.SetVelocities(plant_context, np.resize([spin, 1, 0, 0.1, 0, -0.5], 12))
+        simulator.Initialize()
+        return simulator
+
+    def state(self, simulator: Simulator) -> np.ndarray:
+        plant_context = self.plant.GetMyContextFromRoot(simulator.get_context())
+        return self.plant.GetPositionsAndVelocities(plant_context).copy()
+
+    def energies(self, simulator: Simulator) -> np.ndarray:
+        context = self.contact.GetMyContextFromRoot(simulator.get_context())
+        return self.contact.get_energies_output_port().Eval(context).copy()
+
+
+def end_state(tumble: Tumble, duration: float = 0.4, **settings: float) -> np.ndarray:
+    simulator = tumble.simulator(**settings)
+    simulator.AdvanceTo(duration)
+    assert tumble.energies(simulator)[2] > 0, "nothing ever touched"
+    return np.concatenate([tumble.state(simulator), tumble.energies(simulator)])
+
+
+def test_same_simulation_twice_gives_the_same_bits():
+    tumble = Tumble()
+    first = end_state(tumble)
+    np.testing.assert_array_equal(first, end_state(tumble))
+    np.testing.assert_array_equal(first, end_state(Tumble()))
+    np.testing.assert_array_equal(first, end_state(Tumble(threads=2)))
+
+
+def test_contexts_simulated_in_turn_give_the_same_bits_as_each_alone():
+    """Any memory outside the context would leak from one into the other."""
+    tumble = Tumble()
+    alone = [end_state(tumble, spin=spin) for spin in (3.0, -2.0)]
+    assert not np.array_equal(*alone)
+    simulators = [tumble.simulator(spin) for spin in (3.0, -2.0)]
+    for time in np.linspace(0, 0.4, 9):
+        for simulator in simulators:
+            simulator.AdvanceTo(time)
+    # Stopping on the way changes the steps, so both are stopped.
+    again = []
+    for spin in (3.0, -2.0):
+        simulator = tumble.simulator(spin)
+        for time in np.linspace(0, 0.4, 9):
+            simulator.AdvanceTo(time)
+        again.append(tumble.state(simulator))
+    for simulator, expected in zip(simulators, again, strict=True):
+        np.testing.assert_array_equal(tumble.state(simulator), expected)
+
+
+def test_cloned_context_continues_like_the_original():
+    tumble = Tumble()
+    simulator = tumble.simulator()
+    simulator.AdvanceTo(0.2)
+    assert tumble.energies(simulator)[2] > 0
+    clone = Simulator(tumble.diagram, simulator.get_context().Clone())
+    original = Simulator(tumble.diagram, simulator.get_context().Clone())
+    for each in (clone, original):
+        each.AdvanceTo(0.4)
+    np.testing.assert_array_equal(tumble.state(clone), tumble.state(original))
+    np.testing.assert_array_equal(tumble.energies(clone), tumble.energies(original))
+
+
+def test_reading_results_on_the_way_changes_nothing():
+    tumble = Tumble()
+    read = tumble.simulator()
+    context = tumble.contact.GetMyContextFromRoot(read.get_context())
+
+    def look(_: Context) -> None:
+        for port in range(tumble.contact.num_output_ports()):
+            tumble.contact.get_output_port(port).Eval(context)
+
+    read.set_monitor(look)
+    read.AdvanceTo(0.4)
+    np.testing.assert_array_equal(tumble.state(read), end_state(tumble)[: len(tumble.state(read))])
+
+
+def test_wrenches_of_both_routes_agree_to_round_off():
+    wrenches = []
+    for lists_only in (False, True):
+        tumble = Tumble(lists_only=lists_only)
+        assert tumble.contact.uses_lists == lists_only
+        assert tumble.contact.uses_state != lists_only
+        simulator = tumble.simulator()
+        plant_context = tumble.plant.GetMyContextFromRoot(simulator.get_context())
+        for body in tumble.capsules:  # all three overlap
+            X_WB = tumble.plant.EvalBodyPoseInWorld(plant_context, body)
+            tumble.plant.SetFreeBodyPose(
+                plant_context, body, RigidTransform(X_WB.rotation(), 0.5 * X_WB.translation())
+            )
+        context = tumble.contact.GetMyContextFromRoot(simulator.get_context())
+        wrenches.append(tumble.contact.get_body_wrenches_output_port().Eval(context).copy())
+    assert (np.abs(wrenches[0].reshape(3, 6)).max(axis=1) > 1).all()
+    np.testing.assert_allclose(wrenches[0], wrenches[1], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("time_step", [0.0, 1e-4])
+def test_floating_bodies_move_the_same_through_state_and_through_lists(time_step):
+    fast = end_state(Tumble(time_step=time_step), 0.2, accuracy=1e-8)
+    slow = end_state(Tumble(time_step=time_step, lists_only=True), 0.2, accuracy=1e-8)
+    np.testing.assert_allclose(fast, slow, rtol=1e-5, atol=1e-6)
+
+
+def by_default(plant: MultibodyPlant, body: RigidBody) -> None:
+    """Leave the body to the quaternion joint that the plant gives it."""
+
+
+def by_angles(plant: MultibodyPlant, body: RigidBody) -> None:
+    plant.AddJoint(RpyFloatingJoint("joint", plant.world_frame(), body.body_frame()))
+
+
+def by_offset_frames(plant: MultibodyPlant, body: RigidBody) -> None:
+    """Give it a quaternion joint whose coordinates are not the body's pose."""
+    X = RigidTransform(RollPitchYaw(0.3, 0.2, 0.1), [0.3, -0.2, 0.1])
+    parent = plant.AddFrame(FixedOffsetFrame("parent", plant.world_frame(), X))
+    child = plant.AddFrame(FixedOffsetFrame("child", body.body_frame(), X))
+    plant.AddJoint(QuaternionFloatingJoint("joint", parent, child))
+
+
+def by_carrier(plant: MultibodyPlant, body: RigidBody) -> None:
+    """Weld it to a free body without geometry."""
+    carrier = plant.AddRigidBody("carrier", SpatialInertia.Zero())
+    plant.WeldFrames(carrier.body_frame(), body.body_frame())
+
+
+def drop(hold: Callable[[MultibodyPlant, RigidBody], None]) -> tuple[bool, np.ndarray]:
+    """Drop a tilted capsule; return whether it went through the lists, and the pose it ends in."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    capsule = plant.AddRigidBody(
+        "capsule", SpatialInertia.SolidCapsuleWithMass(0.5, 0.04, 0.1, [0, 0, 1])
+    )
+    hold(plant, capsule)
+    for body, shape, X_BG in (
+        (capsule, Capsule(0.04, 0.1), RigidTransform(RollPitchYaw(0, 0.4, 0), [0, 0, 0])),
+        (plant.world_body(), Box(1, 1, 1), RigidTransform([0.02, 0.03, -0.65])),
+    ):
+        plant.RegisterCollisionGeometry(body, X_BG, shape, "shape", CoulombFriction(0, 0))
+    plant.Finalize()
+    config = ContactConfig(tessellation_tolerance=0.1, **CONFIG)
+    contact = AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
+    simulator = Simulator(builder.Build())
+    integrator = simulator.get_mutable_integrator()
+    integrator.set_target_accuracy(1e-7)
+    integrator.set_maximum_step_size(1e-3)
+    simulator.AdvanceTo(0.3)
+    plant_context = plant.GetMyContextFromRoot(simulator.get_context())
+    return contact.uses_lists, plant.EvalBodyPoseInWorld(plant_context, capsule).GetAsMatrix4()
+
+
+def test_motion_does_not_depend_on_the_joint_that_leaves_a_body_free():
+    through_lists, expected = drop(by_default)
+    assert not through_lists
+    assert np.abs(expected[:3, :3] - np.eye(3)).max() > 0.1, "it should have tipped"
+    for hold in (by_angles, by_offset_frames, by_carrier):
+        through_lists, X_WB = drop(hold)
+        assert through_lists
+        np.testing.assert_allclose(X_WB, expected, atol=1e-5)
+
+
+def test_body_on_a_joint_swings_about_it():
+    """A pendulum strikes a wall: only the torque about its hinge counts, and it bounces back."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    length, mass = 0.5, 1.0
+    point = UnitInertia.PointMass([0, 0, -length])
+    bob = plant.AddRigidBody("bob", SpatialInertia(mass, [0, 0, -length], point))
+    hinge = plant.AddJoint(RevoluteJoint("hinge", plant.world_frame(), bob.body_frame(), [0, 1, 0]))
+    slippery = CoulombFriction(0, 0)
+    plant.RegisterCollisionGeometry(
+        bob, RigidTransform([0, 0, -length]), Box(0.1, 0.1, 0.1), "bob", slippery
+    )
+    # Touched when the string is upright, by the bob's flat face.
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), RigidTransform([-0.57, 0, -length]), Box(1, 1, 1), "wall", slippery
+    )
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
+    plant.Finalize()
+    config = ContactConfig(web="facet", standoff=0.02, k=1e5, alpha=0.3, pairs=[["bob", "world"]])
+    AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
+    simulator = Simulator(builder.Build())
+    simulator.get_mutable_integrator().set_target_accuracy(1e-8)
+    simulator.get_mutable_integrator().set_maximum_step_size(1e-3)
+    plant_context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    hinge.set_angle(plant_context, -0.1)
+    hinge.set_angular_rate(plant_context, 1.0)
+    simulator.AdvanceTo(0.3)
+    e = NonlinearDamper(1.0, alpha=0.3).restitution(length * 1.0)
+    assert hinge.get_angular_rate(plant_context) == pytest.approx(-e, rel=0.02)
