@@ -1,5 +1,6 @@
 """Distance queries and contact forces between arbitrarily shaped bodies; needs no simulator."""
 
+from contact_toolkit.batch import Distances, distance_batch, intersects_batch
 from contact_toolkit.contact_law import NonlinearDamper
 from contact_toolkit.contact_model import (
     ContactArrays,
@@ -10,11 +11,13 @@ from contact_toolkit.contact_model import (
     Found,
     StepTable,
 )
+from contact_toolkit.convex import ConvexPieces, Shape
 from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
     EDGE,
     FACET,
+    PIECE,
     VERTEX,
     ClosestPair,
     WitnessCache,
@@ -24,10 +27,26 @@ from contact_toolkit.queries import (
     witness_pairs,
 )
 from contact_toolkit.queries_point import SignedDistances, signed_distance
+from contact_toolkit.swept import (
+    ImpactStatus,
+    SweptDistance,
+    TimeOfImpact,
+    swept_distance,
+    swept_intersects,
+    time_of_impact,
+)
+from contact_toolkit.swept_batch import (
+    SweptDistances,
+    TimesOfImpact,
+    swept_distance_batch,
+    swept_intersects_batch,
+    time_of_impact_batch,
+)
 
 __all__ = [
     "EDGE",
     "FACET",
+    "PIECE",
     "VERTEX",
     "ClosestPair",
     "CollisionMesh",
@@ -35,18 +54,34 @@ __all__ = [
     "ContactGeometry",
     "ContactModel",
     "ContactPair",
+    "ConvexPieces",
+    "Distances",
     "FloatingBodies",
     "Forces",
     "Found",
+    "ImpactStatus",
     "MeshDefects",
     "MeshError",
     "NonlinearDamper",
+    "Shape",
     "SignedDistances",
     "StepTable",
+    "SweptDistance",
+    "SweptDistances",
+    "TimeOfImpact",
+    "TimesOfImpact",
     "WitnessCache",
     "WitnessPairs",
     "distance",
+    "distance_batch",
     "intersects",
+    "intersects_batch",
     "signed_distance",
+    "swept_distance",
+    "swept_distance_batch",
+    "swept_intersects",
+    "swept_intersects_batch",
+    "time_of_impact",
+    "time_of_impact_batch",
     "witness_pairs",
 ]

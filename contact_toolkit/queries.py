@@ -1,4 +1,4 @@
-"""Distance, interference and witness pairs between two meshes at a relative pose.
+"""Distance, interference and witness pairs between two shapes at a relative pose.
 
 Every query takes `X_AB`, the pose of B in A as a (4, 4) homogeneous matrix, and answers in frame A.
 """
@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_toolkit import _core
+from contact_toolkit.convex import Shape
 from contact_toolkit.mesh import CollisionMesh, Floats, Ints
 
-VERTEX, EDGE, FACET = 0, 1, 2
-"""Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces."""
+VERTEX, EDGE, FACET, PIECE = 0, 1, 2, 3
+"""Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces, or into the
+pieces of a `ConvexPieces`."""
 
 _MAX_COORDINATE = 1e15  # [m] as for mesh coordinates
 _POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scales and shears
@@ -22,7 +24,7 @@ _POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scale
 
 @dataclass(frozen=True)
 class ClosestPair:
-    """The closest points of two meshes.
+    """The closest points of two shapes.
 
     Attributes
     ----------
@@ -32,11 +34,13 @@ class ClosestPair:
     p_ACa, p_ACb
         (3,) witness points on A and B, in A [m]; the same point where surfaces cross.
     normal_A
-        (3,) unit vector from B towards A; by the facets' windings where the distance is zero.
+        (3,) unit vector from B towards A; where the distance is zero, by the facets' windings, or
+        zero if one shape is made of pieces.
     facet_a, facet_b
-        The facets they lie on.
+        The facets, or the pieces, they lie on.
     feature_a, feature_b
-        (kind, index), kind being `VERTEX`, `EDGE` or `FACET`.
+        (kind, index), kind being `VERTEX`, `EDGE` or `FACET`; `PIECE`, and on a mesh opposite always
+        `FACET`, if one shape is made of pieces.
     """
 
     distance: float
@@ -83,14 +87,12 @@ class WitnessPairs:
         return len(self.distance)
 
 
-def distance(
-    A: CollisionMesh, B: CollisionMesh, X_AB: ArrayLike, *, upper_bound: float = np.inf
-) -> ClosestPair:
-    """Find the closest points of two meshes.
+def distance(A: Shape, B: Shape, X_AB: ArrayLike, *, upper_bound: float = np.inf) -> ClosestPair:
+    """Find the closest points of two shapes.
 
-    Distances are between surfaces: zero where they cross, positive where one body lies wholly
-    inside the other. Where several pairs are equally close, one of them is returned, always the
-    same.
+    Meshes are surfaces: the distance is zero where they cross, positive where one body lies wholly
+    inside the other. Pieces are solid. Where several pairs are equally close, one of them is
+    returned, always the same.
 
     Parameters
     ----------
@@ -105,10 +107,11 @@ def distance(
     return ClosestPair(**_core.distance(A._core, B._core, as_pose(X_AB), upper_bound))
 
 
-def intersects(A: CollisionMesh, B: CollisionMesh, X_AB: ArrayLike) -> bool:
-    """Tell whether any facet of A touches or crosses one of B.
+def intersects(A: Shape, B: Shape, X_AB: ArrayLike) -> bool:
+    """Tell whether any facet or piece of A touches or crosses one of B.
 
-    Surfaces, not solids: a body wholly inside another does not intersect it.
+    Meshes are surfaces, not solids: a body wholly inside another does not intersect it. Pieces are
+    solid.
 
     Parameters
     ----------

@@ -43,4 +43,23 @@ inline constexpr double kOnSurface = 1e-13;
 // (those within 1 % count as equal) and how deep a contact may be.
 inline constexpr double kThicknessTolerance = 2e-3;
 
+// GJK. Iterations: polytopes take about ten; the limit only guards against an endless loop.
+inline constexpr int kGjkIterations = 200;
+// [-] It ends when distance and lower bound agree to this many roundings of the coordinates.
+inline constexpr double kGjkGap = 4;
+// [-] A tetrahedron of less than this share of its longest edge cubed has no reliable inside: its
+// faces, which are then as near, are used instead.
+inline constexpr double kFlatTetrahedron = 1e-14;
+
+// Swept queries.
+// Steps of conservative advancement for one pair in one slice; about ten are usual, some hundred where
+// edges graze. Past the limit the answer says so and stays on the safe side.
+inline constexpr int kAdvanceSteps = 10000;
+// [-] A slice is halved when boxes travel further than this many times the largest of them.
+inline constexpr float kLongWay = 1.5f;
+// [rad] ... or when they turn further than this: a box would swell by more than a third.
+inline constexpr double kWideTurn = 0.6;
+// [-] No slice is shorter than this share of the motion.
+inline constexpr double kShortestSlice = 1e-9;
+
 }  // namespace contact_toolkit

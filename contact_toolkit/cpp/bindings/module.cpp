@@ -8,9 +8,11 @@
 namespace contact_toolkit {
 void BindArea(nanobind::module_& m);
 void BindContact(nanobind::module_& m);
+void BindConvex(nanobind::module_& m);
 void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
 void BindPoint(nanobind::module_& m);
+void BindSwept(nanobind::module_& m);
 void BindWitness(nanobind::module_& m);
 }  // namespace contact_toolkit
 
@@ -24,4 +26,6 @@ NB_MODULE(_core, m) {
   contact_toolkit::BindPoint(m);
   contact_toolkit::BindFloatingBodies(m);
   contact_toolkit::BindContact(m);
+  contact_toolkit::BindConvex(m);
+  contact_toolkit::BindSwept(m);
 }

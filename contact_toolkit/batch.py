@@ -1,0 +1,104 @@
+"""Distance and interference at many poses at once, shared between threads.
+
+Row i of every result belongs to pose i and equals the single query's answer, whatever the number of
+threads.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_toolkit import _core
+from contact_toolkit.convex import Shape
+from contact_toolkit.mesh import Floats, Ints
+from contact_toolkit.queries import as_pose
+
+_POSE_TOLERANCE = 1e-6  # [-] as for single poses
+
+
+@dataclass(frozen=True)
+class Distances:
+    """The closest points of two shapes at n poses.
+
+    Attributes
+    ----------
+    distance
+        (n,) [m]; infinite in rows where nothing lies below the upper bound asked for, whose other
+        fields mean nothing.
+    p_ACa, p_ACb
+        (n, 3) witness points on A and B, in A [m].
+    index_a, index_b
+        (n,) the facets, or the pieces, they lie on.
+    """
+
+    distance: Floats
+    p_ACa: Floats
+    p_ACb: Floats
+    index_a: Ints
+    index_b: Ints
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+
+def distance_batch(
+    A: Shape,
+    B: Shape,
+    X_AB: ArrayLike,
+    *,
+    upper_bound: float = np.inf,
+    threads: int | None = None,
+) -> Distances:
+    """Find the closest points of two shapes at (n, 4, 4) poses of B in A; see `distance`.
+
+    `threads`: None takes as many as the process may use.
+    """
+    if not upper_bound >= 0:
+        raise ValueError(f"upper_bound must be at least 0, not {upper_bound}")
+    poses = as_poses(X_AB)
+    found = _core.distances(A._core, B._core, poses, upper_bound, as_threads(threads))
+    return Distances(**found)
+
+
+def intersects_batch(
+    A: Shape, B: Shape, X_AB: ArrayLike, *, threads: int | None = None
+) -> NDArray[np.bool_]:
+    """Tell at each of (n, 4, 4) poses of B in A whether the shapes touch; see `intersects`.
+
+    `threads`: None takes as many as the process may use.
+    """
+    poses = as_poses(X_AB)
+    return _core.intersect(A._core, B._core, poses, as_threads(threads))
+
+
+def as_poses(X: ArrayLike, name: str = "X_AB") -> Floats:
+    """Return poses as a contiguous (n, 4, 4) array; raise ValueError unless each is rigid."""
+    poses = np.ascontiguousarray(X, dtype=np.float64)
+    if poses.ndim != 3 or poses.shape[1:] != (4, 4):
+        raise ValueError(f"{name} must be homogeneous matrices (n, 4, 4), not {poses.shape}")
+    R = poses[:, :3, :3]
+    with np.errstate(invalid="ignore", over="ignore"):
+        error = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        rigid = (
+            np.isfinite(poses).all(axis=(1, 2))
+            & (error <= _POSE_TOLERANCE)
+            & (poses[:, 3] == (0, 0, 0, 1)).all(axis=1)
+        )
+    rigid &= np.linalg.det(np.where(rigid[:, None, None], R, np.eye(3))) > 0
+    if not rigid.all():
+        bad = int(np.argmin(rigid))
+        as_pose(poses[bad], f"{name}[{bad}]")  # raises, saying what is wrong
+    return poses
+
+
+def as_threads(threads: int | None) -> int:
+    """Return a number of threads to use; raise ValueError unless it is positive."""
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    if threads < 1:
+        raise ValueError(f"threads must be at least 1, not {threads}")
+    return threads

@@ -1,0 +1,143 @@
+#include "swept.h"
+
+#include <nanobind/nanobind.h>
+
+#include "arrays.h"
+#include "parallel.h"
+#include "shapes.h"
+
+namespace contact_toolkit {
+namespace {
+
+Motion MotionOf(const PosesIn& start, const PosesIn& end, int i) {
+  return {Pose::FromMatrix(start.data() + 16 * i), Pose::FromMatrix(end.data() + 16 * i)};
+}
+
+int CountOf(const PosesIn& start, const PosesIn& end) {
+  if (start.shape(0) != end.shape(0)) throw nb::value_error("as many end poses as start poses");
+  return static_cast<int>(start.shape(0));
+}
+
+// The answers to all motions, each an element of `answers`.
+template <typename Answer, typename Find>
+std::vector<Answer> FindAll(const PosesIn& start, const PosesIn& end, int threads, Find&& find) {
+  std::vector<Answer> answers(CountOf(start, end));
+  const nb::gil_scoped_release release;
+  ParallelFor(static_cast<int>(answers.size()), threads,
+              [&](int i, int) { answers[i] = find(MotionOf(start, end, i)); });
+  return answers;
+}
+
+template <typename Answer, typename Field>
+auto Column(const std::vector<Answer>& answers, Field Answer::* field) {
+  std::vector<Field> column;
+  column.reserve(answers.size());
+  for (const Answer& answer : answers) column.push_back(answer.*field);
+  return column;
+}
+
+nb::object ToBooleans(std::vector<std::uint8_t>&& values) {
+  return ToNumpy(std::move(values)).attr("view")("bool");
+}
+
+// The answers at all poses, each an element of `answers`.
+template <typename Answer, typename Find>
+std::vector<Answer> FindAll(const PosesIn& poses, int threads, Find&& find) {
+  return FindAll<Answer>(poses, poses, threads, std::forward<Find>(find));
+}
+
+nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, double upper_bound, int threads) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  using Answer = SweptDistance;
+  const auto answers = FindAll<Answer>(poses, threads, [&](const Motion& still) {
+    return FindSweptDistance(a, b, still, 0, upper_bound);
+  });
+  nb::dict columns;
+  columns["distance"] = ToNumpy(Column(answers, &Answer::distance));
+  columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
+  columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
+  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
+  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  return columns;
+}
+
+nb::object IntersectOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  return ToBooleans(FindAll<std::uint8_t>(poses, threads, [&](const Motion& still) {
+    return static_cast<std::uint8_t>(SweptIntersects(a, b, still, 0));
+  }));
+}
+
+nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double tolerance,
+                         double upper_bound, int threads) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  using Answer = SweptDistance;
+  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion) {
+    return FindSweptDistance(a, b, motion, tolerance, upper_bound);
+  });
+  std::vector<double> error;
+  std::vector<std::uint8_t> converged;
+  for (const Answer& answer : answers) {
+    error.push_back(answer.index_a < 0 ? 0 : answer.distance - answer.lower_bound);
+    converged.push_back(answer.converged);
+  }
+  nb::dict columns;
+  columns["distance"] = ToNumpy(Column(answers, &Answer::lower_bound));
+  columns["error"] = ToNumpy(std::move(error));
+  columns["time"] = ToNumpy(Column(answers, &Answer::time));
+  columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
+  columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
+  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
+  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  columns["converged"] = ToBooleans(std::move(converged));
+  return columns;
+}
+
+nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double separation,
+                        double tolerance, int threads) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  using Answer = TimeOfImpact;
+  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion) {
+    return FindTimeOfImpact(a, b, motion, separation, tolerance);
+  });
+  nb::dict columns;
+  columns["time"] = ToNumpy(Column(answers, &Answer::time));
+  columns["distance"] = ToNumpy(Column(answers, &Answer::distance));
+  columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
+  columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
+  columns["normal_A"] = ToNumpy(Column(answers, &Answer::normal_A));
+  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
+  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  std::vector<std::int32_t> status;
+  for (const Answer& answer : answers) status.push_back(static_cast<int>(answer.status));
+  columns["status"] = ToNumpy(std::move(status));
+  return columns;
+}
+
+nb::object SweptIntersectsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
+                             double tolerance, int threads) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  return ToBooleans(FindAll<std::uint8_t>(start, end, threads, [&](const Motion& motion) {
+    return static_cast<std::uint8_t>(SweptIntersects(a, b, motion, tolerance));
+  }));
+}
+
+}  // namespace
+
+void BindSwept(nb::module_& m) {
+  m.def("distances", &DistancesOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
+        nb::arg("upper_bound"), nb::arg("threads"));
+  m.def("intersect", &IntersectOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
+        nb::arg("threads"));
+  m.def("swept_distance", &SweptDistanceOf, nb::arg("A"), nb::arg("B"),
+        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("tolerance"),
+        nb::arg("upper_bound"), nb::arg("threads"));
+  m.def("time_of_impact", &TimeOfImpactOf, nb::arg("A"), nb::arg("B"),
+        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("separation"),
+        nb::arg("tolerance"), nb::arg("threads"));
+  m.def("swept_intersects", &SweptIntersectsOf, nb::arg("A"), nb::arg("B"),
+        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("tolerance"),
+        nb::arg("threads"));
+}
+
+}  // namespace contact_toolkit

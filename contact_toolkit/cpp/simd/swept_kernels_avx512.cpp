@@ -1,0 +1,11 @@
+// The swept kernels for avx512.
+#include "simd/swept_kernel.h"
+
+namespace contact_toolkit {
+
+const SweptKernels& Avx512SweptKernels() {
+  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull};
+  return kernels;
+}
+
+}  // namespace contact_toolkit

@@ -1,0 +1,212 @@
+"""Distance and collision of two shapes while one moves.
+
+The motion: B's origin goes straight from its start to its end at constant speed, while B turns the
+shorter way about a fixed axis at constant rate (half a turn goes either way). A time is the share
+of the motion done, 0 to 1. So B's origin is the point that moves straight: put it accordingly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact_toolkit.convex import Shape
+from contact_toolkit.mesh import Floats
+from contact_toolkit.queries import as_pose
+from contact_toolkit.swept_batch import (
+    swept_distance_batch,
+    swept_intersects_batch,
+    time_of_impact_batch,
+)
+
+
+class ImpactStatus(IntEnum):
+    """How a search for the time of impact ended."""
+
+    FREE = 0
+    """Never as close as the separation."""
+    IMPACT = 1
+    """As close at `time`, and not before."""
+    INITIAL_CONTACT = 2
+    """As close already at the start."""
+    ITERATION_LIMIT = 3
+    """Not as close before `time`; the search gave up there. Treat it as an impact."""
+
+
+@dataclass(frozen=True)
+class SweptDistance:
+    """The least distance of two shapes over a motion.
+
+    Attributes
+    ----------
+    distance
+        [m]; the shapes are certainly never closer, up to rounding. Infinite when they stay beyond
+        the upper bound asked for, and then no other field means anything.
+    error
+        [m]; the truth lies between `distance` and `distance + error`. Zero in a pure translation,
+        else at most the tolerance if `converged`.
+    time
+        Share of the motion at which the shapes come within `distance + error`.
+    p_ACa, p_ACb
+        (3,) points of A and B that far apart then, in A [m].
+    index_a, index_b
+        The facets, or the pieces, they lie on.
+    converged
+        False if an iteration limit left `error` above the tolerance.
+    """
+
+    distance: float
+    error: float
+    time: float
+    p_ACa: Floats
+    p_ACb: Floats
+    index_a: int
+    index_b: int
+    converged: bool
+
+
+@dataclass(frozen=True)
+class TimeOfImpact:
+    """When two shapes first come as close as a separation.
+
+    Attributes
+    ----------
+    time
+        Share of the motion; certainly, up to rounding, they are not as close before. 1 when free.
+    distance
+        [m] of the two points at `time`: at most the separation plus the tolerance. Infinite when
+        free.
+    p_ACa, p_ACb
+        (3,) the points of A and B that meet, in A [m].
+    normal_A
+        (3,) unit vector from B towards A; zero where they overlap.
+    index_a, index_b
+        The facets, or the pieces, that meet; -1 when free.
+    status
+        How the search ended.
+    """
+
+    time: float
+    distance: float
+    p_ACa: Floats
+    p_ACb: Floats
+    normal_A: Floats
+    index_a: int
+    index_b: int
+    status: ImpactStatus
+
+
+def swept_distance(
+    A: Shape,
+    B: Shape,
+    X_AB_start: ArrayLike,
+    X_AB_end: ArrayLike,
+    *,
+    tolerance: float | None = None,
+    upper_bound: float = np.inf,
+) -> SweptDistance:
+    """Find the least distance of two shapes over a motion.
+
+    A pure translation is exact: a convex set sweeps over the hull of its two end positions. With
+    rotation the answer is certified from below and refined to the tolerance.
+
+    Parameters
+    ----------
+    X_AB_start, X_AB_end
+        (4, 4) poses of B in A at the start and the end.
+    tolerance
+        [m] on the answer; by default a millionth of the smaller shape's diagonal.
+    upper_bound
+        [m]; larger distances are of no interest, and the query may stop early.
+    """
+    batch = swept_distance_batch(
+        A,
+        B,
+        as_pose(X_AB_start, "X_AB_start")[None],
+        as_pose(X_AB_end, "X_AB_end")[None],
+        tolerance=tolerance,
+        upper_bound=upper_bound,
+        threads=1,
+    )
+    return SweptDistance(
+        distance=float(batch.distance[0]),
+        error=float(batch.error[0]),
+        time=float(batch.time[0]),
+        p_ACa=batch.p_ACa[0],
+        p_ACb=batch.p_ACb[0],
+        index_a=int(batch.index_a[0]),
+        index_b=int(batch.index_b[0]),
+        converged=bool(batch.converged[0]),
+    )
+
+
+def swept_intersects(
+    A: Shape,
+    B: Shape,
+    X_AB_start: ArrayLike,
+    X_AB_end: ArrayLike,
+    *,
+    tolerance: float | None = None,
+) -> bool:
+    """Tell whether two shapes touch during a motion; never misses a collision.
+
+    With rotation, shapes that pass each other within the tolerance count as touching; in a pure
+    translation, within rounding. The parameters are those of `swept_distance`.
+    """
+    batch = swept_intersects_batch(
+        A,
+        B,
+        as_pose(X_AB_start, "X_AB_start")[None],
+        as_pose(X_AB_end, "X_AB_end")[None],
+        tolerance=tolerance,
+        threads=1,
+    )
+    return bool(batch[0])
+
+
+def time_of_impact(
+    A: Shape,
+    B: Shape,
+    X_AB_start: ArrayLike,
+    X_AB_end: ArrayLike,
+    *,
+    separation: float = 0.0,
+    tolerance: float | None = None,
+) -> TimeOfImpact:
+    """Find when two shapes first come as close as a separation; never late, never misses.
+
+    Conservative advancement of pairs of facets or pieces: before the time found the shapes are
+    farther apart than the separation; at it, no farther than the separation and the tolerance.
+    So shapes that pass within the tolerance may be reported, ones that meet always are.
+
+    Parameters
+    ----------
+    X_AB_start, X_AB_end
+        (4, 4) poses of B in A at the start and the end.
+    separation
+        [m], at least 0; for example a standoff.
+    tolerance
+        [m]; by default a millionth of the smaller shape's diagonal.
+    """
+    batch = time_of_impact_batch(
+        A,
+        B,
+        as_pose(X_AB_start, "X_AB_start")[None],
+        as_pose(X_AB_end, "X_AB_end")[None],
+        separation=separation,
+        tolerance=tolerance,
+        threads=1,
+    )
+    return TimeOfImpact(
+        time=float(batch.time[0]),
+        distance=float(batch.distance[0]),
+        p_ACa=batch.p_ACa[0],
+        p_ACb=batch.p_ACb[0],
+        normal_A=batch.normal_A[0],
+        index_a=int(batch.index_a[0]),
+        index_b=int(batch.index_b[0]),
+        status=ImpactStatus(batch.status[0]),
+    )
