@@ -11,11 +11,7 @@ pytestmark = pytest.mark.engine
 
 
 @pytest.mark.parametrize("query", QUERIES)
-@pytest.mark.parametrize(
-    "cases",
-    CASES,
-    ids=lambda cases: cases.__name__,
-)
+@pytest.mark.parametrize("cases", CASES, ids=lambda cases: cases.__name__)
 def test_worst_error(query, cases, record_property):
     """A distance off, a witness point off its facet, or two points apart that should coincide."""
     rng = np.random.default_rng(0)

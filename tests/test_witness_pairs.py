@@ -11,11 +11,12 @@ from contact_toolkit import CollisionMesh, witness_pairs
 pytestmark = pytest.mark.engine
 
 _TOLERANCE = 1e-12  # of the coordinates' size
+_ON_SLIVER = 1e-9  # the same, of points on slivers, whose planes are ill-defined
 _POSES = 300
 VERTEX, EDGE, FACET = 0, 1, 2
 
 SHAPE_PAIRS = {
-    "doughnut-cone": (mesh_shapes.doughnut(12, 8), mesh_shapes.cone(12, 3)),
+    "doughnut-cone": (mesh_shapes.doughnut(10, 6), mesh_shapes.cone(10, 3)),
     "cube-cube": (mesh_shapes.cube(), mesh_shapes.cube(0.7)),
     "sheet-ball": (mesh_shapes.sheet(6), mesh_shapes.ball(1, bumps=0.3)),
     "soup-soup": (mesh_shapes.soup(60, seed=1), mesh_shapes.soup(60, seed=2)),
@@ -41,16 +42,17 @@ def _same(p, q):
 
 
 def _poses(A, B, rng):
-    """Separated, touching, crossing and nested in turn: from far apart to one about the other."""
+    """Apart, crossing and nested as chance has it; every fifth pose drawn up until they touch."""
     reach = A.diagonal / 2 + B.diagonal / 2
     for k in range(_POSES):
-        yield pose(random_rotation(rng)) if k % 30 == 0 else random_pose(rng, reach)
+        X_AB = random_pose(rng, reach * (1, 0.5, 0.1)[k % 3])
+        if k % 5 == 0:
+            closest = brute.closest_facet_pair(A, B, X_AB)
+            X_AB[:3, 3] += (closest.p_ACa - closest.p_ACb)[0].astype(float)
+        yield X_AB
 
 
-@pytest.mark.parametrize(
-    "shapes",
-    [pytest.param(shapes, id=name) for name, shapes in SHAPE_PAIRS.items()],
-)
+@pytest.mark.parametrize("shapes", SHAPE_PAIRS.values(), ids=SHAPE_PAIRS)
 def test_equals_brute_force(shapes):
     """A pair missed by culling, a pair too many, a wrong distance or witness point."""
     A, B = (CollisionMesh(*shape) for shape in shapes)
@@ -62,10 +64,11 @@ def test_equals_brute_force(shapes):
         found = witness_pairs(A, B, X_AB, standoff, merge=False)
         expected = brute.facet_pairs(A, B, X_AB, standoff + _TOLERANCE * size)
         _check_same_set(found, expected, standoff, _TOLERANCE * size)
-        _check_witnesses(A, B, X_AB, found, _TOLERANCE * size)
+        on_facet = _TOLERANCE if len(A.faces) > 1 else _ON_SLIVER
+        _check_witnesses(A, B, X_AB, found, tolerance=_TOLERANCE * size, on_facet=on_facet * size)
         crossings += np.count_nonzero(expected.distance == 0)
         pairs_seen += len(expected)
-    assert pairs_seen >= _POSES / 10
+    assert pairs_seen > _POSES / 10
     assert crossings > _POSES / 10 or len(A.faces) == 1
 
 
@@ -88,7 +91,7 @@ def _check_same_set(found, expected, standoff, tolerance):
     assert found.distance.max(initial=0) <= standoff
 
 
-def _check_witnesses(A, B, X_AB, found, tolerance):
+def _check_witnesses(A, B, X_AB, found, *, tolerance, on_facet):
     between = found.p_ACa - found.p_ACb
     gaps = np.linalg.norm(between, axis=1)
     assert np.abs(gaps - found.distance).max(initial=0) < tolerance
@@ -96,7 +99,7 @@ def _check_witnesses(A, B, X_AB, found, tolerance):
     for mesh, points, facets in ((A, found.p_ACa, found.facet_a), (B, p_BCb, found.facet_b)):
         corners = mesh.vertices[mesh.faces[facets]]
         off, _, _ = brute.triangle_distances(corners, np.repeat(points[:, None], 3, axis=1))
-        assert off.max(initial=0) < tolerance
+        assert off.max(initial=0) < on_facet
     assert np.abs(np.linalg.norm(found.normal_A, axis=1) - 1).max(initial=0) < 1e-14
     clear = found.distance > 1e3 * tolerance
     from_b_to_a = between[clear] / gaps[clear, None]
