@@ -62,10 +62,8 @@ class WorstErrors:
 
 def worst_errors(query: Query, pairs: Pairs, rng: np.random.Generator) -> WorstErrors:
     """Ask for each pair as given, and with the second facet in a frame of its own."""
-    errors = np.array(
-        [_errors(query, *case) for s, t in pairs for case in _in_two_frames(s, t, rng)]
-    )
-    return WorstErrors(*errors.max(axis=0), len(errors))
+    found = np.array([errors(query, *case) for s, t in pairs for case in _in_two_frames(s, t, rng)])
+    return WorstErrors(*found.max(axis=0), len(found))
 
 
 def _in_two_frames(
@@ -80,9 +78,10 @@ def _in_two_frames(
     yield s, (t - X_AB[:3, 3]) @ X_AB[:3, :3], X_AB
 
 
-def _errors(
+def errors(
     query: Query, s: NDArray[np.float64], t: NDArray[np.float64], X_AB: NDArray[np.float64]
 ) -> tuple[float, float, float]:
+    """The three errors of one case, in the order of `WorstErrors`."""
     A, B = (CollisionMesh(corners, [[0, 1, 2]]) for corners in (s, t))
     t_in_a = exact.posed(X_AB, t)
     squared = exact.squared_distance(s, t_in_a)

@@ -4,8 +4,8 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
-from facet_accuracy import QUERIES, worst_errors
-from facet_cases import CASES
+from facet_accuracy import QUERIES, errors, worst_errors
+from facet_cases import CASES, WELL_POSED
 
 pytestmark = pytest.mark.engine
 
@@ -21,3 +21,25 @@ def test_worst_error(query, cases, record_property):
     assert worst.distance < limit
     assert worst.off_facet < limit
     assert worst.gap < limit
+
+
+def test_crossing_found_only_beyond_double_precision():
+    """A folded facet that crosses in extended precision only: the point was left anywhere."""
+    folded = np.array([[-1.0, -4, 0], [4, 4, 0], [4, 4, 0]])
+    facet = np.array(
+        [
+            [7.066745503216509, 3.695965923238627, -3.304270062615948],
+            [0.34251924769931213, 1.9213944375538918, 0.25039972609971345],
+            [1.9392349833961797, -2.3973140229116527, -2.542315098740328],
+        ]
+    )
+    X_AB = np.array(
+        [
+            [-0.6409388149775412, -0.761659993268785, 0.09524437048445256, 3.6591339908195275],
+            [0.57571867313039, -0.5590776947855949, -0.5966407131617892, -2.9735872827299232],
+            [0.5076863646624443, -0.3275762290628239, 0.7968364758774613, 0.25598315739883315],
+            [0, 0, 0, 1],
+        ]
+    )
+    for query in QUERIES.values():
+        assert max(errors(query, folded, facet, X_AB)) < WELL_POSED

@@ -69,13 +69,19 @@ void AddPiercings(const Corners<T>& P, const Corners<T>& Q, Vec<T>* points, int*
   }
 }
 
-// The middle of the segment in which two facets cross; false when they do not.
+// The middle of the segment in which two facets cross, posed like the kernels do; false when they do
+// not cross.
 template <class T>
-bool MiddleOfCrossing(const Vec3 (&of_a)[3], const Vec3 (&of_b)[3], Vec3* middle) {
+bool MiddleOfCrossing(const PosedPair& pair, const Vec3 (&p_A)[3], const Vec3 (&p_B)[3],
+                      Vec3* middle) {
   Corners<T> a, b;
+  const double* X = pair.matrix;
   for (int c = 0; c < 3; ++c) {
-    a.p[c] = {of_a[c].x, of_a[c].y, of_a[c].z};
-    b.p[c] = {of_b[c].x, of_b[c].y, of_b[c].z};
+    const Vec<T> p{p_B[c].x, p_B[c].y, p_B[c].z};
+    a.p[c] = {p_A[c].x, p_A[c].y, p_A[c].z};
+    b.p[c] = {X[0] * p.x + X[1] * p.y + X[2] * p.z + X[9],
+              X[3] * p.x + X[4] * p.y + X[5] * p.z + X[10],
+              X[6] * p.x + X[7] * p.y + X[8] * p.z + X[11]};
   }
   Vec<T> points[6];
   int count = 0;
@@ -176,12 +182,12 @@ void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness
     Vec3 corners_a[3], corners_b[3];
     for (int c = 0; c < 3; ++c) {
       corners_a[c] = pair.A.vertices()[A.slot_vertices[a][c]];
-      corners_b[c] = pair.X_AB * pair.B.vertices()[B.slot_vertices[b][c]];
+      corners_b[c] = pair.B.vertices()[B.slot_vertices[b][c]];
     }
     // With eleven bits more than double, as on needles the point would otherwise stray from the
     // facets; in double, as the kernel did, where rounding alone made them cross.
-    if (!MiddleOfCrossing<long double>(corners_a, corners_b, &witness->p_ACa)) {
-      MiddleOfCrossing<double>(corners_a, corners_b, &witness->p_ACa);
+    if (!MiddleOfCrossing<long double>(pair, corners_a, corners_b, &witness->p_ACa)) {
+      MiddleOfCrossing<double>(pair, corners_a, corners_b, &witness->p_ACa);
     }
     witness->p_ACb = witness->p_ACa;
   }
