@@ -1,0 +1,157 @@
+"""WitnessCache: along any motion, the rows of the cold query, bit for bit."""
+
+import mesh_shapes
+import numpy as np
+import pytest
+from poses import pose, random_pose, random_rotation
+from scipy.spatial.transform import Rotation
+
+from contact_toolkit import CollisionMesh, WitnessCache, witness_pairs
+
+pytestmark = pytest.mark.engine
+
+SHAPE_PAIRS = {
+    "doughnut-cone": (mesh_shapes.doughnut(), mesh_shapes.cone()),
+    "cube-ball": (mesh_shapes.cube(0.1), mesh_shapes.ball(2, radius=0.05, bumps=0.2)),
+    "soup-sheet": (mesh_shapes.soup(80), mesh_shapes.sheet()),
+    "sliver-sliver": (mesh_shapes.sliver(), mesh_shapes.sliver(width=1e-6)),
+}
+
+
+def _same(cached, cold):
+    for name, column in vars(cold).items():
+        np.testing.assert_array_equal(getattr(cached, name), column, err_msg=name)
+
+
+def _stepped(X_AB, rng, *, turn, shift):
+    """The pose after a random small turn [rad] about any axis and shift [m]."""
+    step = Rotation.from_rotvec(turn * rng.normal(size=3)).as_matrix()
+    return pose(step @ X_AB[:3, :3], tuple(X_AB[:3, 3] + shift * rng.normal(size=3)))
+
+
+@pytest.mark.parametrize("merge", [True, False])
+@pytest.mark.parametrize("shapes", SHAPE_PAIRS.values(), ids=SHAPE_PAIRS)
+def test_random_walk(shapes, merge):
+    """A candidate dropped too early, or kept in another order."""
+    A, B = (CollisionMesh(*shape) for shape in shapes)
+    rng = np.random.default_rng(0)
+    cache = WitnessCache(A, B)
+    rows = steps = 0
+    for _ in range(6):
+        X_AB = random_pose(rng, 0.4 * (A.diagonal + B.diagonal))
+        standoff = 0.05 * A.diagonal
+        for _ in range(40):
+            X_AB = _stepped(X_AB, rng, turn=1e-3, shift=1e-3 * A.diagonal)
+            cached = cache.witness_pairs(X_AB, standoff, merge=merge)
+            _same(cached, witness_pairs(A, B, X_AB, standoff, merge=merge))
+            rows, steps = rows + len(cached), steps + 1
+    assert rows > 100
+    assert 6 <= cache.gathered < steps
+
+
+@pytest.mark.parametrize("slack", [1e-9, 1e-4, 1e-2, 1e3])
+def test_any_slack(slack):
+    """Slack decides how often facet pairs are gathered, and nothing else."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    rng = np.random.default_rng(1)
+    cache = WitnessCache(A, B, slack=slack)
+    X_AB = pose(p=(0, 0, -0.17))
+    for _ in range(60):
+        X_AB = _stepped(X_AB, rng, turn=1e-3, shift=1e-4)
+        _same(cache.witness_pairs(X_AB, 0.005), witness_pairs(A, B, X_AB, 0.005))
+    expected = {1e-9: 60, 1e3: 1}
+    assert cache.gathered == expected.get(slack, cache.gathered)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_turning_in_place(axis):
+    """Rotation alone moves the far ends of a body: its size counts, not its origin."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    cache = WitnessCache(A, B)
+    for angle in np.linspace(0, 2, 150):
+        R = Rotation.from_rotvec(angle * np.eye(3)[axis]).as_matrix()
+        X_AB = pose(R, (0.01, 0, 0))
+        _same(cache.witness_pairs(X_AB, 0.004), witness_pairs(A, B, X_AB, 0.004))
+    assert cache.gathered > 1
+
+
+def test_creeping_away_from_where_it_gathered():
+    """Steps each far below the slack must add up."""
+    A = CollisionMesh(*mesh_shapes.cube())
+    cache = WitnessCache(A, A, slack=0.01)
+    for z in np.linspace(1.2, 0.9, 400):
+        X_AB = pose(p=(0.3, 0.2, z))
+        _same(cache.witness_pairs(X_AB, 0.05), witness_pairs(A, A, X_AB, 0.05))
+    assert 400 > cache.gathered >= 15
+
+
+def test_there_and_back():
+    """A body that returns to where it was has not moved."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["cube-ball"])
+    X_AB = pose(p=(0, 0, 0.1))
+    cache = WitnessCache(A, B)
+    for _ in range(20):
+        for shift in (0, 1e-4):
+            X = pose(p=tuple(X_AB[:3, 3] + [0, shift, 0]))
+            _same(cache.witness_pairs(X, 0.02), witness_pairs(A, B, X, 0.02))
+    assert cache.gathered == 1
+
+
+def test_jumps():
+    """A pose that has nothing to do with the last one."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["cube-ball"])
+    rng = np.random.default_rng(2)
+    cache = WitnessCache(A, B)
+    for _ in range(60):
+        X_AB = pose(random_rotation(rng), tuple(rng.uniform(-0.1, 0.1, 3)))
+        _same(cache.witness_pairs(X_AB, 0.01), witness_pairs(A, B, X_AB, 0.01))
+
+
+def test_changing_standoff():
+    """What was gathered for a small standoff does not serve a larger one."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    rng = np.random.default_rng(3)
+    cache = WitnessCache(A, B)
+    X_AB = pose(p=(0, 0, -0.17))
+    for standoff in [*rng.uniform(0, 0.02, 30), 0, 0.1, 0, 1e-12, 0.02, 1e6]:
+        _same(cache.witness_pairs(X_AB, standoff), witness_pairs(A, B, X_AB, standoff))
+
+
+def test_merging_now_and_then():
+    """Rows of the other kind left over."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    cache = WitnessCache(A, B)
+    for merge in (True, False, False, True, True, False):
+        X_AB = pose(p=(0, 0, -0.17))
+        cached = cache.witness_pairs(X_AB, 0.01, merge=merge)
+        _same(cached, witness_pairs(A, B, X_AB, 0.01, merge=merge))
+    assert cache.gathered == 1
+
+
+def test_results_survive_the_next_query():
+    """Rows that point into the cache's own buffers."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    cache = WitnessCache(A, B)
+    first = cache.witness_pairs(pose(p=(0, 0, -0.17)), 0.01)
+    copy = {name: column.copy() for name, column in vars(first).items()}
+    cache.witness_pairs(pose(p=(0, 0, -0.1701)), 0.012)
+    del cache
+    for name, column in copy.items():
+        np.testing.assert_array_equal(getattr(first, name), column)
+
+
+@pytest.mark.parametrize("slack", [0.0, -1.0, np.nan, np.inf])
+def test_bad_slack(slack):
+    A = CollisionMesh(*mesh_shapes.cube())
+    with pytest.raises(ValueError, match="slack"):
+        WitnessCache(A, A, slack=slack)
+
+
+def test_bad_queries():
+    """The checks of the cold query hold here too."""
+    A = CollisionMesh(*mesh_shapes.cube())
+    cache = WitnessCache(A, A)
+    with pytest.raises(ValueError, match="standoff"):
+        cache.witness_pairs(np.eye(4), -1.0)
+    with pytest.raises(ValueError, match="X_AB"):
+        cache.witness_pairs(2 * np.eye(4), 0.1)
