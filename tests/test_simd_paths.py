@@ -1,0 +1,79 @@
+"""The same bits from every instruction set: a result must not depend on where it was computed."""
+
+import mesh_shapes
+import numpy as np
+import pytest
+from facet_cases import CASES
+from poses import random_pose
+
+from contact_toolkit import CollisionMesh, _core, distance, intersects, witness_pairs
+
+pytestmark = pytest.mark.engine
+
+PATHS = ["scalar", "avx2", "avx512"]
+
+
+@pytest.fixture(autouse=True)
+def _back_to_the_widest():
+    widest = _core.simd()
+    yield
+    _core.select_simd(widest)
+
+
+def _select(path):
+    try:
+        _core.select_simd(path)
+    except ValueError:
+        pytest.skip(f"this processor has no {path}")
+
+
+def _soup_of(cases, rng):
+    """All first facets of a class against all second ones."""
+    pairs = cases(rng)[:40]
+    return [
+        CollisionMesh(pairs[:, i].reshape(-1, 3), np.arange(3 * len(pairs)).reshape(-1, 3))
+        for i in (0, 1)
+    ]
+
+
+def _answers(A, B, X_AB, standoff):
+    closest = distance(A, B, X_AB)
+    yield from vars(closest).values()
+    yield intersects(A, B, X_AB)
+    for merge in (True, False):
+        yield from vars(witness_pairs(A, B, X_AB, standoff, merge=merge)).values()
+
+
+def _assert_same_bits(A, B, X_AB, standoff, path):
+    _core.select_simd("scalar")
+    expected = list(_answers(A, B, X_AB, standoff))
+    _select(path)
+    for found, known in zip(_answers(A, B, X_AB, standoff), expected, strict=True):
+        np.testing.assert_array_equal(found, known)
+
+
+@pytest.mark.parametrize("path", PATHS[1:])
+@pytest.mark.parametrize("cases", CASES, ids=lambda cases: cases.__name__)
+def test_nasty_facets(cases, path):
+    """A reordered sum, or a comparison that treats equals otherwise."""
+    rng = np.random.default_rng(0)
+    A, B = _soup_of(cases, rng)
+    _assert_same_bits(A, B, np.eye(4), A.diagonal / 4, path)
+    _assert_same_bits(A, B, random_pose(rng, A.diagonal / 4), A.diagonal / 4, path)
+
+
+@pytest.mark.parametrize("path", PATHS[1:])
+def test_whole_meshes(path):
+    """Batches of every length, and their fill."""
+    A = CollisionMesh(*mesh_shapes.doughnut())
+    B = CollisionMesh(*mesh_shapes.cone())
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        X_AB = random_pose(rng, 0.2)
+        _assert_same_bits(A, B, X_AB, 10.0 ** rng.uniform(-4, -1.5), path)
+
+
+def test_unknown_path():
+    """A misspelt path must not silently be another."""
+    with pytest.raises(ValueError, match=r"sse9.*scalar"):
+        _core.select_simd("sse9")
