@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 from weakref import WeakMethod
 
 import numpy as np
@@ -25,6 +25,7 @@ from pydrake.systems.framework import (
 
 from contact_toolkit import ContactModel, FloatingBodies, Forces, Found, StepTable
 from systems.body_motion import sort_by_motion
+from systems.contact_watch import ContactWatch, Reported
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -58,20 +59,28 @@ class NonlinearDamperContact(LeafSystem):
     - `energies` (4,) [J]: stored in normal and in tangential deformation; lost in damping and to
       friction since the start, summed by the trapezoidal rule over steps.
 
-    The step table (friction anchors, losses, what speeds up the next search) is the only state; it
-    is replaced once an accepted step. Nothing changes in the object itself, so any number of
-    contexts run independently.
+    The step table (friction anchors, losses, what speeds up the next search) is replaced once an
+    accepted step. Apart from what has been warned about there is no other state; nothing changes in
+    the object itself, so any number of contexts run independently.
+
+    A discrete plant takes contact forces explicitly. Above 0.2 times the stable time step it is
+    warned of, with the number; beyond the stable step, RuntimeError. In a continuous plant contact
+    is met only where the integrator evaluates forces: give it a maximum step in which nothing
+    crosses a body.
 
     Parameters
     ----------
     plant
-        Finalized; continuous or discrete. A discrete plant takes contact forces explicitly.
+        Finalized; continuous or discrete.
     model
         The contact model.
     bodies
         The plant's body for each body of the model.
     lists_only
         Read and push floating bodies through the lists too: slower, and equal to round-off.
+    when_deep
+        What to do when bodies penetrate farther than the web can tell: "warn", once a pair and
+        context, or "raise".
     """
 
     def __init__(
@@ -81,6 +90,7 @@ class NonlinearDamperContact(LeafSystem):
         bodies: Sequence[BodyIndex],
         *,
         lists_only: bool = False,
+        when_deep: Literal["warn", "raise"] = "warn",
     ) -> None:
         super().__init__()
         self._model = model
@@ -98,9 +108,9 @@ class NonlinearDamperContact(LeafSystem):
             num_velocities=plant.num_velocities(),
         )
         self._declare_inputs()
-        table = Value[object]()
-        table.set_value(model.initial_table())
-        self._table = self.DeclareAbstractState(table)
+        self._table = self.DeclareAbstractState(_held(model.initial_table()))
+        self._watch = ContactWatch(plant, model, bodies, when_deep=when_deep)
+        self._reported = self.DeclareAbstractState(_held(Reported()))
         self._declare_cache()
         self._declare_outputs(plant.num_velocities())
         self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
@@ -211,13 +221,16 @@ class NonlinearDamperContact(LeafSystem):
         state = self._state.Eval(context) if self._uses_state else self._rest_state
         return self._floating_bodies.gather(state)
 
-    def _find(self, context: Context, found: AbstractValue) -> None:
+    def _eval_poses(self, context: Context) -> Floats:
         X_WB, _ = self._gather(context)
         if self._listed:
             poses = self._body_poses.Eval(context)
             for row, body in self._listed:
                 X_WB[row] = poses[body].GetAsMatrix4()
-        found.set_value(self._model.find(X_WB, self._eval_table(context)))
+        return X_WB
+
+    def _find(self, context: Context, found: AbstractValue) -> None:
+        found.set_value(self._model.find(self._eval_poses(context), self._eval_table(context)))
 
     def _eval_velocities(self, context: Context) -> Floats:
         _, V_WB = self._gather(context)
@@ -244,6 +257,12 @@ class NonlinearDamperContact(LeafSystem):
         return self._model.advance(self._eval_table(context), context.get_time(), forces)
 
     def _advance(self, context: Context, state: State) -> None:
+        reported = self._watch.look(
+            context.get_abstract_state(self._reported).get_value(),
+            self._eval_forces(context),
+            lambda: self._eval_poses(context),
+        )
+        state.get_mutable_abstract_state(self._reported).set_value(reported)
         state.get_mutable_abstract_state(self._table).set_value(self._eval_advanced_table(context))
 
     def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
@@ -270,6 +289,12 @@ class NonlinearDamperContact(LeafSystem):
         stored = self._eval_forces(context).energies
         lost = self._eval_advanced_table(context).losses
         output.SetFromVector(np.concatenate([stored, lost]))
+
+
+def _held(value: object) -> AbstractValue:
+    holder = Value[object]()
+    holder.set_value(value)
+    return holder
 
 
 def _without_owning(

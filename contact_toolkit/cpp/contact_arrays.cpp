@@ -19,6 +19,7 @@ ContactArrays ListContacts(const Forces& forces) {
       list.normal_F.push_back(X_FA.R * Normalized(springs.gradient_A[s]));
       list.deformation.push_back(springs.deformation[s]);
       list.rate.push_back(force.rate);
+      list.stiffness.push_back(springs.stiffness[s]);
       list.normal_force.push_back(force.normal * Norm(springs.gradient_A[s]));
       list.friction_force_F.push_back(X_FA.R * force.friction_A);
       list.multiplicity.push_back(springs.multiplicity[s]);

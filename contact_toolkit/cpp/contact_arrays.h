@@ -15,6 +15,7 @@ struct ContactArrays {
   std::vector<Vec3> p_FC, p_FCa, p_FCb;
   std::vector<Vec3> normal_F;  // unit, from B towards A
   std::vector<double> deformation, rate;
+  std::vector<double> stiffness;       // [N/m] at most, along normal_F
   std::vector<double> normal_force;    // on A along normal_F
   std::vector<Vec3> friction_force_F;  // on A
   std::vector<std::int32_t> multiplicity;

@@ -143,6 +143,7 @@ void BindContactArrays(nb::module_& m) {
       .def_prop_ro("normal_F", &Column<double, &C::normal_F>)
       .def_prop_ro("deformation", &Column<double, &C::deformation>)
       .def_prop_ro("rate", &Column<double, &C::rate>)
+      .def_prop_ro("stiffness", &Column<double, &C::stiffness>)
       .def_prop_ro("normal_force", &Column<double, &C::normal_force>)
       .def_prop_ro("friction_force_F", &Column<double, &C::friction_force_F>)
       .def_prop_ro("multiplicity", &Column<std::int32_t, &C::multiplicity>)

@@ -1,0 +1,129 @@
+"""ContactWatch: says, once, where contact goes beyond what its model or the time step can do."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
+
+from contact_toolkit import ContactModel, Forces
+from systems.explicit_stability import ContactFrequency
+
+# Of the stable time step 2/ω: to there, energy swings within 0.2 % (measured on bouncing balls).
+_WARN_ABOVE = 0.2
+# How much worse it must get to be said again.
+_WORSE = 1.5
+
+_STATUS = {
+    1: "is in deeper than half the thickness: the force may point the wrong way out",
+    2: "has passed through an open surface: what lies behind it is not pushed back",
+}
+
+
+@dataclass(frozen=True)
+class Reported:
+    """What has been warned about: the worst share of the stable step, and (pair, status)."""
+
+    stable_share: float = 0.0
+    statuses: frozenset[tuple[int, int]] = frozenset()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Reported:
+        """Return itself: immutable, so a context may copy it for free."""
+        return self
+
+
+class ContactWatch:
+    """Looks at every accepted step.
+
+    Parameters
+    ----------
+    plant
+        A discrete one takes forces explicitly: its time step is held against the stable limit.
+    model, bodies
+        The contact model, and the plant's body for each of its bodies.
+    when_deep
+        What to do when bodies penetrate farther than the web can tell: "warn" or "raise".
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        model: ContactModel,
+        bodies: Sequence[BodyIndex],
+        *,
+        when_deep: Literal["warn", "raise"] = "warn",
+    ) -> None:
+        self._when_deep = when_deep
+        self._model = model
+        self._time_step = plant.time_step()
+        body_of = [geometry.body for geometry in model.geometries]
+        pair_bodies = np.array([[body_of[pair.a], body_of[pair.b]] for pair in model.pairs])
+        self._frequency = ContactFrequency(plant, bodies, pair_bodies)
+
+    def look(
+        self, reported: Reported, forces: Forces, poses: Callable[[], NDArray[np.float64]]
+    ) -> Reported:
+        """Warn of what is new in a step; return what has been reported then.
+
+        Parameters
+        ----------
+        forces
+            Of the step.
+        poses
+            Gives the poses X_WB (nb, 4, 4) of the bodies, if asked.
+
+        Raises
+        ------
+        RuntimeError
+            Where the time step of a discrete plant exceeds the stable limit, or bodies are too deep
+            and `when_deep` says so.
+        """
+        reported = self._look_for_depth(reported, forces)
+        if self._time_step > 0:
+            reported = self._look_for_instability(reported, forces, poses)
+        return reported
+
+    def _look_for_depth(self, reported: Reported, forces: Forces) -> Reported:
+        status = forces.found.status
+        if not status.any():
+            return reported
+        pairs = forces.found.pairs
+        seen = {
+            (int(pairs[i]), bit)
+            for i in np.flatnonzero(status)
+            for bit in _STATUS
+            if status[i] & bit
+        }
+        for pair, bit in sorted(seen - reported.statuses):
+            a, b = (self._model.geometries[side] for side in self._sides(pair))
+            message = f"contact of {a.name} and {b.name}: one {_STATUS[bit]}"
+            if self._when_deep == "raise":
+                raise RuntimeError(message)
+            warnings.warn(message, RuntimeWarning, stacklevel=2)
+        return replace(reported, statuses=reported.statuses | seen)
+
+    def _sides(self, pair: int) -> tuple[int, int]:
+        return self._model.pairs[pair].a, self._model.pairs[pair].b
+
+    def _look_for_instability(
+        self, reported: Reported, forces: Forces, poses: Callable[[], NDArray[np.float64]]
+    ) -> Reported:
+        frequency = self._frequency.bound(poses(), forces.contacts)
+        share = self._time_step * frequency / 2
+        if share <= min(1.0, max(_WARN_ABOVE, _WORSE * reported.stable_share)):
+            return reported
+        message = (
+            f"the discrete plant's time step of {self._time_step:g} s is {share:.2g} times the "
+            f"stable limit 2/ω of contact that swings at up to ω = {frequency:.3g} rad/s; take "
+            f"{2 * _WARN_ABOVE / frequency:.1g} s, softer contact, or a continuous plant"
+        )
+        if share > 1:
+            raise RuntimeError(message)
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
+        return replace(reported, stable_share=share)

@@ -1,0 +1,162 @@
+"""Warnings and refusals: too long a step of a discrete plant, too deep a penetration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from pydrake.common import MemoryFile
+from pydrake.geometry import InMemoryMesh, Mesh
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, SpatialInertia, UnitInertia
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from systems import AddNonlinearDamperContact, ContactConfig
+from systems.explicit_stability import ContactFrequency
+
+MASS = 0.5
+K = 1e4
+SPRINGS = 3  # the facets at the tip
+OMEGA = math.sqrt(SPRINGS * K / MASS)
+STANDOFF = 0.02
+
+TIP_DOWN = "v 0 0 0\nv .1 0 .1\nv -.05 .08 .1\nv -.05 -.08 .1\nf 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\n"
+TRIANGLE = "v 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\n"
+
+
+BALANCE = STANDOFF - MASS * 9.81 / (SPRINGS * K)
+
+
+def stand_on_tip(time_step: float, above: float = 1e-4) -> tuple[Simulator, Callable[[], float]]:
+    """Let a tetrahedron go on its tip, `above` its balance: it swings up and down at OMEGA.
+
+    Return also how to tell how far it is above then.
+    """
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+    body = plant.AddRigidBody(
+        "body", SpatialInertia(MASS, [0, 0, 0.07], UnitInertia(0.01, 0.01, 0.01))
+    )
+    for owner, text in ((body, TIP_DOWN), (plant.world_body(), TRIANGLE)):
+        source = InMemoryMesh(mesh_file=MemoryFile(text, ".obj", owner.name()))
+        plant.RegisterCollisionGeometry(
+            owner, RigidTransform(), Mesh(source, 1.0), "mesh", CoulombFriction(0, 0)
+        )
+    plant.Finalize()
+    config = ContactConfig(web="facet", standoff=STANDOFF, k=K, alpha=0.0)
+    AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyContextFromRoot(simulator.get_context())
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, BALANCE + above])
+    return simulator, lambda: plant.GetPositions(context)[6] - BALANCE
+
+
+def test_short_steps_are_taken_in_silence():
+    simulator, _ = stand_on_tip(0.19 * 2 / OMEGA)
+    simulator.AdvanceTo(0.1)
+
+
+def test_long_steps_are_warned_of_once_a_context_with_the_number():
+    for _ in range(2):
+        simulator, _ = stand_on_tip(0.5 * 2 / OMEGA)
+        with pytest.warns(RuntimeWarning, match=r"is 0\.5 times .* ω = 245 rad/s") as told:
+            simulator.AdvanceTo(0.1)
+        assert len(told) == 1
+
+
+def test_unstable_steps_are_refused_with_the_mend():
+    simulator, _ = stand_on_tip(1.02 * 2 / OMEGA)
+    with pytest.raises(RuntimeError, match=r"1 times the stable limit .* take 0\.002 s, softer"):
+        simulator.AdvanceTo(0.1)
+
+
+@pytest.mark.filterwarnings("ignore:the discrete plant's time step")
+def test_steps_just_below_the_limit_are_stable():
+    """Were the limit too lax, the swing would grow until the body jumps."""
+    simulator, above = stand_on_tip(0.98 * 2 / OMEGA, above=1e-6)
+    farthest = 0.0
+    for time in np.linspace(0, 5, 100):
+        simulator.AdvanceTo(time)
+        farthest = max(farthest, abs(above()))
+    assert farthest < 1e-5
+
+
+@dataclass
+class Springs:
+    """The columns of ContactArrays that bear on frequency."""
+
+    pair: np.ndarray
+    p_FC: np.ndarray
+    normal_F: np.ndarray
+    stiffness: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.pair)
+
+
+PAIRS = np.array([[0, 1], [0, 2], [3, 0], [1, 2], [3, 1], [2, 3]])
+
+
+def random_case(seed: int, num_springs: int) -> tuple[MultibodyPlant, np.ndarray, Springs]:
+    """Return three boxes of different weight, and springs between all of them and the ground."""
+    random = np.random.default_rng(seed)
+    plant = MultibodyPlant(0.001)
+    for i, mass in enumerate([0.1, 1.0, 5.0]):
+        plant.AddRigidBody(f"box{i}", SpatialInertia.SolidBoxWithMass(mass, 0.1, 0.2, 0.3))
+    plant.Finalize()
+    X_WB = np.tile(np.eye(4), (4, 1, 1))
+    for X in X_WB[1:]:
+        X[:] = RigidTransform(
+            RollPitchYaw(random.normal(size=3)), random.normal(size=3)
+        ).GetAsMatrix4()
+    normals = random.normal(size=(num_springs, 3))
+    springs = Springs(
+        pair=random.integers(0, len(PAIRS), num_springs),
+        p_FC=random.normal(size=(num_springs, 3)),
+        normal_F=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+        stiffness=random.uniform(1, 100, num_springs),
+    )
+    return plant, X_WB, springs
+
+
+def bound_of(plant: MultibodyPlant, X_WB: np.ndarray, springs: Springs) -> float:
+    bodies = [BodyIndex(i) for i in range(4)]
+    return ContactFrequency(plant, bodies, PAIRS).bound(X_WB, springs)
+
+
+def true_frequency(plant: MultibodyPlant, X_WB: np.ndarray, springs: Springs) -> float:
+    """Return the highest frequency of the coupled system, from its whole mass matrix."""
+    mass, stiffness = np.zeros((24, 24)), np.zeros((24, 24))
+    for body in range(1, 4):
+        block = slice(6 * body, 6 * body + 6)
+        turn = np.kron(np.eye(2), X_WB[body, :3, :3])
+        inertia = plant.get_body(BodyIndex(body)).default_spatial_inertia().CopyToFullMatrix6()
+        mass[block, block] = turn @ inertia @ turn.T
+    for pair, p_FC, normal, k in zip(
+        springs.pair, springs.p_FC, springs.normal_F, springs.stiffness, strict=True
+    ):
+        row = np.zeros(24)
+        for body, sign in zip(PAIRS[pair], (1, -1), strict=True):
+            arm = p_FC - X_WB[body, :3, 3]
+            row[6 * body : 6 * body + 6] = sign * np.concatenate([np.cross(arm, normal), normal])
+        stiffness += k * np.outer(row, row)
+    modes = np.linalg.eigvals(np.linalg.solve(mass[6:, 6:], stiffness[6:, 6:]))
+    return math.sqrt(modes.real.max())
+
+
+@pytest.mark.parametrize("num_springs", [1, 3, 30])
+def test_frequency_is_bounded_and_not_by_much(num_springs):
+    for seed in range(20):
+        case = random_case(seed, num_springs)
+        bound, true = bound_of(*case), true_frequency(*case)
+        assert bound >= true * (1 - 1e-9)
+        assert bound <= true * (1 + 1e-9 if num_springs == 1 else 1.6)
+
+
+def test_without_contact_nothing_swings():
+    assert bound_of(*random_case(0, 0)) == 0
