@@ -12,6 +12,7 @@ from contact_toolkit.contact_model import (
     StepTable,
 )
 from contact_toolkit.convex import ConvexPieces, Shape
+from contact_toolkit.decomposition import DecompositionError, decompose
 from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
@@ -55,6 +56,7 @@ __all__ = [
     "ContactModel",
     "ContactPair",
     "ConvexPieces",
+    "DecompositionError",
     "Distances",
     "FloatingBodies",
     "Forces",
@@ -72,6 +74,7 @@ __all__ = [
     "TimesOfImpact",
     "WitnessCache",
     "WitnessPairs",
+    "decompose",
     "distance",
     "distance_batch",
     "intersects",

@@ -72,7 +72,7 @@ def intersects_batch(
     `threads`: None takes as many as the process may use.
     """
     poses = as_poses(X_AB)
-    return _core.intersect(A._core, B._core, poses, as_threads(threads))
+    return np.asarray(_core.intersect(A._core, B._core, poses, as_threads(threads)))
 
 
 def as_poses(X: ArrayLike, name: str = "X_AB") -> Floats:

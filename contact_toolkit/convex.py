@@ -47,12 +47,12 @@ class ConvexPieces:
     @property
     def lower(self) -> Floats:
         """(3,) lower corner of the bounding box [m]."""
-        return self._core.lower
+        return np.asarray(self._core.lower)
 
     @property
     def upper(self) -> Floats:
         """(3,) upper corner of the bounding box [m]."""
-        return self._core.upper
+        return np.asarray(self._core.upper)
 
     @property
     def diagonal(self) -> float:

@@ -15,8 +15,8 @@ from contact_toolkit.convex import Shape
 from contact_toolkit.mesh import CollisionMesh, Floats, Ints
 
 VERTEX, EDGE, FACET, PIECE = 0, 1, 2, 3
-"""Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces, or into the
-pieces of a `ConvexPieces`."""
+"""Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces, or into
+the pieces of a `ConvexPieces`."""
 
 _MAX_COORDINATE = 1e15  # [m] as for mesh coordinates
 _POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scales and shears
@@ -39,8 +39,8 @@ class ClosestPair:
     facet_a, facet_b
         The facets, or the pieces, they lie on.
     feature_a, feature_b
-        (kind, index), kind being `VERTEX`, `EDGE` or `FACET`; `PIECE`, and on a mesh opposite always
-        `FACET`, if one shape is made of pieces.
+        (kind, index), kind being `VERTEX`, `EDGE` or `FACET`; if one shape is made of pieces,
+        `PIECE` there and always `FACET` on a mesh opposite.
     """
 
     distance: float

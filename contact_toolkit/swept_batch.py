@@ -99,9 +99,10 @@ def swept_intersects_batch(
     `threads`: None takes as many as the process may use.
     """
     start, end = _as_motions(X_AB_start, X_AB_end)
-    return _core.swept_intersects(
+    touches = _core.swept_intersects(
         A._core, B._core, start, end, _as_tolerance(tolerance, A, B), as_threads(threads)
     )
+    return np.asarray(touches)
 
 
 def time_of_impact_batch(
