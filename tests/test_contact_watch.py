@@ -15,6 +15,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import BodyIndex, SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+from scipy.spatial.transform import Rotation
 
 from systems import AddNonlinearDamperContact, ContactConfig
 from systems.explicit_stability import ContactFrequency
@@ -110,10 +111,8 @@ def random_case(seed: int, num_springs: int) -> tuple[MultibodyPlant, np.ndarray
         plant.AddRigidBody(f"box{i}", SpatialInertia.SolidBoxWithMass(mass, 0.1, 0.2, 0.3))
     plant.Finalize()
     X_WB = np.tile(np.eye(4), (4, 1, 1))
-    for X in X_WB[1:]:
-        X[:] = RigidTransform(
-            RollPitchYaw(random.normal(size=3)), random.normal(size=3)
-        ).GetAsMatrix4()
+    X_WB[1:, :3, 3] = random.normal(size=(3, 3))
+    X_WB[1:, :3, :3] = Rotation.random(3, random_state=seed).as_matrix()
     normals = random.normal(size=(num_springs, 3))
     springs = Springs(
         pair=random.integers(0, len(PAIRS), num_springs),
