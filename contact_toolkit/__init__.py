@@ -2,18 +2,12 @@
 
 from contact_toolkit.batch import Distances, distance_batch, intersects_batch
 from contact_toolkit.contact_law import NonlinearDamper
-from contact_toolkit.contact_model import (
-    ContactArrays,
-    ContactGeometry,
-    ContactModel,
-    ContactPair,
-    Forces,
-    Found,
-    StepTable,
-)
+from contact_toolkit.contact_model import ContactArrays, ContactModel, Forces, Found, StepTable
+from contact_toolkit.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.convex import ConvexPieces, Shape
 from contact_toolkit.decomposition import DecompositionError, decompose
 from contact_toolkit.floating_bodies import FloatingBodies
+from contact_toolkit.friction import Friction
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
     EDGE,
@@ -61,6 +55,7 @@ __all__ = [
     "FloatingBodies",
     "Forces",
     "Found",
+    "Friction",
     "ImpactStatus",
     "MeshDefects",
     "MeshError",

@@ -3,74 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact_toolkit import _core
-from contact_toolkit.contact_law import NonlinearDamper
-from contact_toolkit.mesh import CollisionMesh
-
-Floats = NDArray[np.float64]
+from contact_toolkit.contact_pair import ContactGeometry, ContactPair
+from contact_toolkit.friction import Friction
+from contact_toolkit.queries import as_pose
 
 ContactArrays = _core.ContactArrays
 Forces = _core.Forces
 Found = _core.Found
 StepTable = _core.StepTable
-
-# [-] How far a pose's rotation may be from orthonormal.
-_ROTATION_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class ContactGeometry:
-    """A mesh fixed to a body.
-
-    Parameters
-    ----------
-    name
-        For messages.
-    body
-        Name of the body, or its index.
-    mesh
-        The surface, in the geometry's own frame G.
-    X_BG
-        (4, 4) pose of G in the body frame B.
-    """
-
-    name: str
-    body: str | int
-    mesh: CollisionMesh
-    X_BG: Floats = field(default_factory=lambda: np.eye(4))
-
-
-@dataclass(frozen=True)
-class ContactPair:
-    """Two geometries that may touch, and by what law.
-
-    Parameters
-    ----------
-    a, b
-        Indices of the geometries, on different bodies.
-    damper
-        The law of the springs; its `k` in the unit the web asks for.
-    web
-        "facet": a spring for every witness pair; "area": an elastic foundation.
-    standoff
-        Distance [m] at which contact begins: positive for the facet web.
-    weighting
-        Of the facet web's springs: "multiplicity" (each merged witness pair counts as often as the
-        facet pairs behind it: continuous and conservative) or "unit" (once, as published).
-    """
-
-    a: int
-    b: int
-    damper: NonlinearDamper
-    web: Literal["area", "facet"] = "area"
-    standoff: float = 0.0
-    weighting: Literal["multiplicity", "unit"] = "multiplicity"
 
 
 class ContactModel:
@@ -111,15 +57,21 @@ class ContactModel:
             raise ValueError(f"body names must differ from each other: {list(self._bodies)}")
         self._geometries = tuple(geometries)
         self._pairs = tuple(pairs)
-        self._body_of = [self._body_index(geometry) for geometry in self._geometries]
+        body_of = [_body_index(geometry, self._bodies) for geometry in self._geometries]
+        webs = _Webs(self._geometries)
+        native_pairs = []
+        for index, pair in enumerate(self._pairs):
+            where = _require_pair(index, pair, self._geometries, body_of)
+            try:
+                native_pairs.append(_native_pair(pair, webs.make(pair)))
+            except ValueError as error:
+                raise ValueError(f"{where}: {error}") from error
+        native_geometries = [
+            _native_geometry(geometry, body)
+            for geometry, body in zip(self._geometries, body_of, strict=True)
+        ]
         self._native = _core.ContactModel(
-            len(self._bodies),
-            [
-                _core.ContactGeometry(geometry.mesh._core, body, _rigid(geometry))
-                for geometry, body in zip(self._geometries, self._body_of, strict=True)
-            ],
-            [self._native_pair(i) for i in range(len(self._pairs))],
-            threads,
+            len(self._bodies), native_geometries, native_pairs, threads
         )
 
     @property
@@ -179,71 +131,106 @@ class ContactModel:
         """
         return self._native.advance(table, time, forces)
 
-    def _body_index(self, geometry: ContactGeometry) -> int:
-        if isinstance(geometry.body, str):
-            if geometry.body not in self._bodies:
-                raise ValueError(
-                    f"geometry {geometry.name!r} is fixed to {geometry.body!r}, which is none of "
-                    f"the bodies {list(self._bodies)}"
-                )
-            return self._bodies.index(geometry.body)
-        if not 0 <= geometry.body < len(self._bodies):
-            raise ValueError(
-                f"geometry {geometry.name!r} is fixed to body {geometry.body}; there are "
-                f"{len(self._bodies)}"
-            )
-        return geometry.body
 
-    def _native_pair(self, index: int) -> _core.ContactPair:
-        pair = self._pairs[index]
-        for geometry in (pair.a, pair.b):
-            if not 0 <= geometry < len(self._geometries):
-                raise ValueError(
-                    f"pair {index} names geometry {geometry}; there are {len(self._geometries)}"
-                )
-        a, b = self._geometries[pair.a], self._geometries[pair.b]
-        where = f"pair {index} ({a.name!r}, {b.name!r})"
-        if self._body_of[pair.a] == self._body_of[pair.b]:
-            raise ValueError(
-                f"{where}: both are fixed to body {a.body!r}; a body cannot touch itself"
-            )
-        damper = pair.damper
+class _Webs:
+    """Makes the pairs' webs; what a web prepares for a mesh is shared between its pairs."""
+
+    def __init__(self, geometries: Sequence[ContactGeometry]) -> None:
+        self._geometries = geometries
+        self._area_bodies: dict[int, _core.AreaBody] = {}
+
+    def make(self, pair: ContactPair) -> _core.SpringWeb:
         if not (np.isfinite(pair.standoff) and pair.standoff >= 0):
-            raise ValueError(
-                f"{where}: standoff must be finite and not negative, not {pair.standoff}"
-            )
-        if pair.web != "facet":
-            raise ValueError(f"{where}: web must be 'facet', not {pair.web!r}")
+            raise ValueError(f"standoff must be finite and not negative, not {pair.standoff}")
+        match pair.web:
+            case "area":
+                return self._area_web(pair)
+            case "facet":
+                return self._facet_web(pair)
+        raise ValueError(f"web must be 'area' or 'facet', not {pair.web!r}")
+
+    def _facet_web(self, pair: ContactPair) -> _core.FacetWeb:
         if pair.standoff == 0:
-            raise ValueError(
-                f"{where}: the facet web needs a positive standoff, its distances have no sign"
-            )
-        weightings = _core.Weighting.__members__
-        if pair.weighting not in weightings:
-            raise ValueError(
-                f"{where}: weighting must be one of {list(weightings)}, not {pair.weighting!r}"
-            )
-        web = _core.FacetWeb(
-            a.mesh._core,
-            b.mesh._core,
-            damper.k,
-            damper.n,
+            raise ValueError("the facet web needs a positive standoff: its distances have no sign")
+        return _core.FacetWeb(
+            self._mesh(pair.a),
+            self._mesh(pair.b),
+            pair.damper.k,
+            pair.damper.n,
             pair.standoff,
-            weightings[pair.weighting],
+            _choice("weighting", pair.weighting, _core.Weighting),
         )
-        return _core.ContactPair(pair.a, pair.b, web, damper.alpha, damper.adhesion)
+
+    def _area_web(self, pair: ContactPair) -> _core.AreaWeb:
+        return _core.AreaWeb(
+            self._area_body(pair.a),
+            self._area_body(pair.b),
+            pair.damper.k,
+            pair.damper.n,
+            pair.standoff,
+            _choice("field", pair.field, _core.AreaField),
+            pair.resolution,
+            _choice("sampled", pair.sampled, _core.AreaSide),
+        )
+
+    def _mesh(self, geometry: int) -> _core.Mesh:
+        return self._geometries[geometry].mesh._core
+
+    def _area_body(self, geometry: int) -> _core.AreaBody:
+        mesh = self._mesh(geometry)
+        if id(mesh) not in self._area_bodies:
+            self._area_bodies[id(mesh)] = _core.AreaBody(mesh)
+        return self._area_bodies[id(mesh)]
 
 
-def _rigid(geometry: ContactGeometry) -> Floats:
-    """X_BG as a contiguous array, or an error that says why it is no pose."""
-    X = np.ascontiguousarray(geometry.X_BG, dtype=np.float64)
-    if X.shape != (4, 4) or not np.isfinite(X).all():
-        raise ValueError(f"geometry {geometry.name!r}: X_BG must be a finite (4, 4) array")
-    R = X[:3, :3]
-    error = np.abs(R @ R.T - np.eye(3)).max()
-    if error > _ROTATION_TOLERANCE or np.linalg.det(R) < 0 or (X[3] != [0, 0, 0, 1]).any():
+def _choice(name: str, value: str, options: Any) -> Any:  # an enumeration and one of its members
+    members = options.__members__
+    if value not in members:
+        raise ValueError(f"{name} must be one of {list(members)}, not {value!r}")
+    return members[value]
+
+
+def _native_geometry(geometry: ContactGeometry, body: int) -> _core.ContactGeometry:
+    X_BG = as_pose(geometry.X_BG, f"X_BG of geometry {geometry.name!r}")
+    return _core.ContactGeometry(geometry.mesh._core, body, X_BG)
+
+
+def _native_pair(pair: ContactPair, web: _core.SpringWeb) -> _core.ContactPair:
+    friction = pair.friction or Friction()
+    native = _core.Friction(
+        friction.static,
+        friction.dynamic_coefficient,
+        friction.stiffness_ratio,
+        friction.damping or 0.0,
+        1.5 * pair.damper.alpha if friction.damping is None else 0.0,
+    )
+    return _core.ContactPair(pair.a, pair.b, web, pair.damper.alpha, pair.damper.adhesion, native)
+
+
+def _body_index(geometry: ContactGeometry, bodies: tuple[str, ...]) -> int:
+    if isinstance(geometry.body, str):
+        if geometry.body not in bodies:
+            raise ValueError(
+                f"geometry {geometry.name!r} is fixed to {geometry.body!r}, which is none of the "
+                f"bodies {list(bodies)}"
+            )
+        return bodies.index(geometry.body)
+    if not 0 <= geometry.body < len(bodies):
         raise ValueError(
-            f"geometry {geometry.name!r}: X_BG must be a rotation and a translation; scale the "
-            f"mesh instead"
+            f"geometry {geometry.name!r} is fixed to body {geometry.body}; there are {len(bodies)}"
         )
-    return X
+    return geometry.body
+
+
+def _require_pair(
+    index: int, pair: ContactPair, geometries: tuple[ContactGeometry, ...], body_of: list[int]
+) -> str:
+    """Check which geometries a pair joins; return how to call it in messages."""
+    for geometry in (pair.a, pair.b):
+        if not 0 <= geometry < len(geometries):
+            raise ValueError(f"pair {index} names geometry {geometry}; there are {len(geometries)}")
+    a, b = geometries[pair.a], geometries[pair.b]
+    where = f"pair {index} ({a.name!r}, {b.name!r})"
+    if body_of[pair.a] == body_of[pair.b]:
+        raise ValueError(f"{where}: both are fixed to body {a.body!r}; a body cannot touch itself")
+    return where

@@ -6,28 +6,15 @@
 #include <span>
 #include <vector>
 
-#include "contact_law.h"
+#include "contact_pair.h"
 #include "forces.h"
 #include "found.h"
-#include "mesh.h"
+#include "pair_forces.h"
 #include "recycler.h"
 #include "relative_motion.h"
-#include "spring_web.h"
 #include "step_table.h"
 
 namespace contact_toolkit {
-
-struct ContactGeometry {
-  std::shared_ptr<const CollisionMesh> mesh;
-  int body;
-  Pose X_BG;
-};
-
-struct ContactPair {
-  int a, b;  // geometries, on different bodies
-  std::shared_ptr<const SpringWeb> web;
-  ContactLaw law;
-};
 
 class ContactModel {
  public:
@@ -35,25 +22,28 @@ class ContactModel {
                std::vector<ContactPair> pairs, int threads);
 
   int num_bodies() const { return num_bodies_; }
-  const std::vector<ContactGeometry>& geometries() const { return geometries_; }
-  const std::vector<ContactPair>& pairs() const { return pairs_; }
 
-  // One pose a body, in a common frame F. At the very poses of the table's step nothing is
-  // computed.
+  // The loaded springs at one pose a body, in a common frame F. At the very poses of the table's
+  // step nothing is computed. The table may be null, here and below.
   std::shared_ptr<const Found> Find(std::span<const Pose> X_FB, const StepTable* table) const;
 
-  // One velocity a body, in F. Without a table every contact is new and slides.
+  // Their forces at one velocity a body, in F. Without a table every contact is new.
   std::shared_ptr<const Forces> ComputeForces(std::shared_ptr<const Found> found,
                                               std::span<const Twist> V_FB,
                                               const StepTable* table) const;
 
-  // The table after an accepted step that ended at `time`. Taking the same step again changes
-  // nothing; a time before the table's own starts afresh.
+  // The table after an accepted step that ended at `time` with `forces`. Taking the same step again
+  // changes nothing; a time before the table's own starts afresh.
   std::shared_ptr<const StepTable> Advance(std::shared_ptr<const StepTable> table, double time,
                                            std::shared_ptr<const Forces> forces) const;
 
  private:
-  std::vector<int> PairsInReach(std::span<const Pose> X_FB) const;
+  // Pose of a pair's geometry B in its geometry A.
+  Pose PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const;
+  // Motion of a pair's geometry A relative to its geometry B about A's origin, expressed in A.
+  Twist MotionOf(const ContactPair& pair, std::span<const Pose> X_FB,
+                 std::span<const Twist> V_FB) const;
+  void AddWrenches(const PairSprings& loaded, const PairForce& force, Forces* forces) const;
 
   int num_bodies_;
   std::vector<ContactGeometry> geometries_;

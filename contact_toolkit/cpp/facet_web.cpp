@@ -6,6 +6,34 @@
 #include "witness.h"
 
 namespace contact_toolkit {
+namespace {
+
+// A spring's key: its two features, each as two bits of kind and thirty of index.
+std::uint64_t KeyOf(const Feature& feature_a, const Feature& feature_b) {
+  const auto code = [](const Feature& feature) {
+    return static_cast<std::uint64_t>(feature.kind) << 30 |
+           static_cast<std::uint32_t>(feature.index);
+  };
+  return code(feature_a) << 32 | code(feature_b);
+}
+
+Feature FeatureOf(std::uint32_t code) {
+  return {static_cast<FeatureKind>(code >> 30), static_cast<std::int32_t>(code & 0x3FFFFFFF)};
+}
+
+std::array<std::int32_t, 3> VerticesOfFeature(const CollisionMesh& mesh, const Feature& feature) {
+  switch (feature.kind) {
+    case FeatureKind::kVertex:
+      return {feature.index, -1, -1};
+    case FeatureKind::kEdge:
+      return {mesh.edges()[feature.index][0], mesh.edges()[feature.index][1], -1};
+    case FeatureKind::kFacet:
+      break;
+  }
+  return mesh.faces()[feature.index];
+}
+
+}  // namespace
 
 FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
                    double k, double n, double standoff, Weighting weighting)
@@ -41,12 +69,9 @@ void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   }
 }
 
-std::uint64_t KeyOf(const Feature& feature_a, const Feature& feature_b) {
-  const auto code = [](const Feature& feature) {
-    return static_cast<std::uint64_t>(feature.kind) << 30 |
-           static_cast<std::uint32_t>(feature.index);
-  };
-  return code(feature_a) << 32 | code(feature_b);
+FeatureVertices FacetWeb::VerticesOf(std::uint64_t key) const {
+  return {VerticesOfFeature(*A_, FeatureOf(static_cast<std::uint32_t>(key >> 32))),
+          VerticesOfFeature(*B_, FeatureOf(static_cast<std::uint32_t>(key)))};
 }
 
 }  // namespace contact_toolkit

@@ -24,14 +24,13 @@ class FacetWeb final : public SpringWeb {
 
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
   double reach() const override { return standoff_; }
+  bool CarriesStretch() const override { return true; }
+  FeatureVertices VerticesOf(std::uint64_t key) const override;
 
  private:
   std::shared_ptr<const CollisionMesh> A_, B_;
   double k_, n_, standoff_;
   Weighting weighting_;
 };
-
-// A feature pair as one number, the key of a facet-web spring.
-std::uint64_t KeyOf(const Feature& feature_a, const Feature& feature_b);
 
 }  // namespace contact_toolkit

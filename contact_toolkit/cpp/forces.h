@@ -1,35 +1,42 @@
 // What the springs of a whole model do at one configuration and velocity; immutable once made.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "found.h"
 #include "relative_motion.h"
+#include "stretch.h"
 #include "vec.h"
 
 namespace contact_toolkit {
 
-// Sums over springs [J] and [W].
+// Sums over springs.
 struct Energetics {
-  double stored_normal = 0, stored_tangential = 0;
-  double damping_power = 0, friction_power = 0;  // lost, ≥ 0
+  double stored_normal = 0, stored_tangential = 0;  // [J]
+  double damping_power = 0;                         // [W] lost to the damping of normal springs
+  double tangential_power = 0;  // [W] taken by tangential forces: stored or lost
+  double friction_power = 0;    // [W] the part of it that is lost, at a steady cone
 
   Energetics& operator+=(const Energetics& other) {
-    stored_normal += other.stored_normal, stored_tangential += other.stored_tangential;
-    damping_power += other.damping_power, friction_power += other.friction_power;
+    stored_normal += other.stored_normal;
+    stored_tangential += other.stored_tangential;
+    damping_power += other.damping_power;
+    tangential_power += other.tangential_power;
+    friction_power += other.friction_power;
     return *this;
   }
 };
 
-// One spring's share, in the order of Found.
 struct SpringForce {
-  double rate = 0;        // [m/s] of deformation
-  double normal = 0;      // [N] along gradient_A
-  Vec3 friction_A;        // [N] on A, in A
-  bool anchored = false;  // held by an anchor rather than sliding
+  double rate = 0;         // [m/s] of deformation
+  double normal = 0;       // [N] along gradient_A, on A
+  Vec3 friction_A;         // [N] on A, in A
+  bool anchored = false;   // held within the cone, or on it without having slipped
+  bool moving_on = false;  // slips the way it is stretched: has neither stopped nor reversed
 };
 
 // Torque about a body's origin, and force.
@@ -38,13 +45,25 @@ struct Wrench {
 };
 static_assert(sizeof(Wrench) == 6 * sizeof(double));
 
-struct Forces {
+struct Forces : std::enable_shared_from_this<Forces> {
   std::shared_ptr<const Found> found;
   std::vector<Twist> V_FB;            // the body velocities, in F
   std::vector<Wrench> body_wrenches;  // about Bo, in F
-  std::vector<SpringForce> springs;
-  std::vector<std::size_t> first;  // index into `springs` of each loaded pair's first
+  std::vector<SpringForce> springs;   // in the order of `found`
+  std::vector<Stretch> stretches;     // likewise; of pairs with anchored friction
+  std::vector<std::size_t> first;     // index into `springs` of each loaded pair i
   Energetics energetics;
+  std::uint64_t table_id = 0;  // of the step table it was computed from; 0: of none
+
+  std::span<SpringForce> SpringsOf(std::size_t i) { return {springs.data() + first[i], SizeOf(i)}; }
+  std::span<const SpringForce> SpringsOf(std::size_t i) const {
+    return {springs.data() + first[i], SizeOf(i)};
+  }
+  std::span<Stretch> StretchesOf(std::size_t i) { return {stretches.data() + first[i], SizeOf(i)}; }
+  std::span<const Stretch> StretchesOf(std::size_t i) const {
+    return {stretches.data() + first[i], SizeOf(i)};
+  }
+  std::size_t SizeOf(std::size_t i) const { return found->loaded[i].springs.size(); }
 
   void Retire() { found.reset(); }
 };

@@ -1,6 +1,7 @@
 // The loaded springs of a whole model at one configuration; immutable once made.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "spring_set.h"
@@ -16,7 +17,7 @@ struct PairSprings {
 };
 
 // Storage is kept between uses: only the first `size` entries of `loaded` mean anything.
-struct Found {
+struct Found : std::enable_shared_from_this<Found> {
   std::vector<Pose> X_FB;           // the body poses it was found at
   std::vector<PairSprings> loaded;  // pairs with springs or a status, by ascending pair index
   std::size_t size = 0;

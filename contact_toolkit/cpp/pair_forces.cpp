@@ -1,21 +1,63 @@
 #include "pair_forces.h"
 
-namespace contact_toolkit {
+#include <algorithm>
+#include <cmath>
 
-PairForce ComputePairForce(const ContactLaw& law, const SpringSet& set, const Twist& V_A,
-                           SpringForce* springs) {
+namespace contact_toolkit {
+namespace {
+
+// One tangential spring and damper within its cone. `normal`: unit; `load`: the normal force.
+void ComputeFriction(const Friction& friction, double stiffness, double elastic, double load,
+                     const Vec3& normal, const Vec3& velocity, const Stretch& stretch,
+                     SpringForce* force, Energetics* energetics) {
+  const Vec3 slip = velocity - Dot(velocity, normal) * normal;
+  const Vec3& stretch_A = stretch.stretch_A;
+  const double along = Dot(slip, stretch_A);
+  const double length = Norm(stretch_A);
+  force->moving_on = length > 0 ? along > 0 : SquaredNorm(slip) > 0;
+  force->anchored = friction.anchored() && !stretch.sliding;
+
+  const double limit = friction.Limit(load, stretch.sliding);
+  const double tangential_stiffness = friction.TangentialStiffness(stiffness);
+  const Vec3 trial =
+      -tangential_stiffness * stretch_A - friction.TangentialDamping(stiffness, elastic) * slip;
+  const double size = Norm(trial);
+  force->friction_A = size > limit ? limit / size * trial : trial;
+
+  // Stretch beyond the cone has been slipped, not stored.
+  const bool slipped = tangential_stiffness * length > limit;
+  const double pull = slipped ? limit : tangential_stiffness * length;
+  const double power = -Dot(force->friction_A, slip);
+  energetics->tangential_power += power;
+  energetics->friction_power += slipped ? power : power - tangential_stiffness * along;
+  if (pull > 0) energetics->stored_tangential += 0.5 * pull * pull / tangential_stiffness;
+}
+
+}  // namespace
+
+PairForce ComputePairForce(const ContactLaw& law, const Friction& friction,
+                           const SpringSet& springs, const Twist& V_A,
+                           std::span<const Stretch> stretches, std::span<SpringForce> forces) {
   PairForce total;
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    const Vec3& p_AC = set.p_AC[i];
-    const Vec3& gradient_A = set.gradient_A[i];
-    const double rate = -Dot(gradient_A, VelocityAt(V_A, p_AC));
-    const double normal = law.NormalForce(set.elastic[i], rate);
-    const Vec3 force = normal * gradient_A;
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    const Vec3& p_AC = springs.p_AC[i];
+    const Vec3& gradient_A = springs.gradient_A[i];
+    const Vec3 velocity = VelocityAt(V_A, p_AC);
+    const double rate = -Dot(gradient_A, velocity);
+    const double elastic = springs.elastic[i];
+    SpringForce& spring = forces[i];
+    spring = {rate, law.NormalForce(elastic, rate), {}, false, false};
+    total.energetics.stored_normal += springs.energy[i];
+    total.energetics.damping_power += (spring.normal - elastic) * rate;
+    const double steepness = friction.active() ? Norm(gradient_A) : 0.0;
+    if (steepness > 0) {
+      ComputeFriction(friction, springs.stiffness[i], elastic, steepness * spring.normal,
+                      gradient_A / steepness, velocity,
+                      friction.anchored() ? stretches[i] : Stretch{}, &spring, &total.energetics);
+    }
+    const Vec3 force = spring.normal * gradient_A + spring.friction_A;
     total.force += force;
     total.torque += Cross(p_AC, force);
-    total.energetics.stored_normal += set.energy[i];
-    total.energetics.damping_power += (normal - set.elastic[i]) * rate;
-    springs[i] = {rate, normal, {}, false};
   }
   return total;
 }

@@ -1,8 +1,11 @@
-// The forces of one pair's springs, from their deformations and the relative velocity.
+// The forces of one pair's springs, from their deformations, stretches and relative velocity.
 #pragma once
+
+#include <span>
 
 #include "contact_law.h"
 #include "forces.h"
+#include "friction.h"
 #include "relative_motion.h"
 #include "spring_set.h"
 
@@ -14,9 +17,10 @@ struct PairForce {
   Energetics energetics;
 };
 
-// V_A: velocity of A relative to B as a field about Ao, in A. Fills one entry of `springs` for each
-// row.
-PairForce ComputePairForce(const ContactLaw& law, const SpringSet& set, const Twist& V_A,
-                           SpringForce* springs);
+// V_A: velocity of A relative to B as a field about Ao, in A. Fills one entry of `forces` a spring.
+// `stretches` is read where the friction is anchored.
+PairForce ComputePairForce(const ContactLaw& law, const Friction& friction,
+                           const SpringSet& springs, const Twist& V_A,
+                           std::span<const Stretch> stretches, std::span<SpringForce> forces);
 
 }  // namespace contact_toolkit

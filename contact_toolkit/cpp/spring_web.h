@@ -2,10 +2,19 @@
 // relative pose. Immutable once built; shared between threads freely.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
+
 #include "spring_set.h"
 #include "vec.h"
 
 namespace contact_toolkit {
+
+// The vertices of the two features behind a spring; −1 where a feature has fewer than three.
+struct FeatureVertices {
+  std::array<std::int32_t, 3> of_a{-1, -1, -1}, of_b{-1, -1, -1};
+};
 
 class SpringWeb {
  public:
@@ -16,6 +25,13 @@ class SpringWeb {
 
   // [m] No spring is loaded while the bounding boxes of the two geometries are farther apart.
   virtual double reach() const = 0;
+
+  // Whether springs are keyed by features, so that a sliding contact passes from one spring to
+  // neighbouring ones and takes its tangential stretch along.
+  virtual bool CarriesStretch() const { return false; }
+
+  // Of a web that carries stretch.
+  virtual FeatureVertices VerticesOf(std::uint64_t /*key*/) const { return {}; }
 };
 
 }  // namespace contact_toolkit

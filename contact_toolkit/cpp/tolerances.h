@@ -39,8 +39,8 @@ inline constexpr double kTouching = 1e-14;
 // direction from the closest point is then round-off, and the pseudonormal stands in.
 inline constexpr double kOnSurface = 1e-13;
 
-// [-] A body's thickness is known to this share: it decides which of two bodies the area web samples
-// (those within 1 % count as equal) and how deep a contact may be.
+// [-] A body's thickness is known to this share: it decides which of two bodies the area web
+// samples (those within 1 % count as equal) and how deep a contact may be.
 inline constexpr double kThicknessTolerance = 2e-3;
 
 // GJK. Iterations: polytopes take about ten; the limit only guards against an endless loop.
@@ -61,5 +61,12 @@ inline constexpr float kLongWay = 1.5f;
 inline constexpr double kWideTurn = 0.6;
 // [-] No slice is shorter than this share of the motion.
 inline constexpr double kShortestSlice = 1e-9;
+
+// [-] Slack of the boxes' overlap test between bodies, as a share of their coordinates: some fifty
+// roundings. Without it a pair far from the origin could be lost by a rounding.
+inline constexpr double kBoxSlack = 1e-14;
+
+// [-] Below this value of 1 + cos(angle) a normal has turned round, and no rotation is the least.
+inline constexpr double kTurnedRound = 1e-6;
 
 }  // namespace contact_toolkit

@@ -44,7 +44,7 @@ void BindArea(nb::module_& m) {
   nb::class_<AreaBody>(m, "AreaBody")
       .def(nb::init<Mesh>(), nb::arg("mesh"))
       .def_prop_ro("thickness", &AreaBody::thickness);
-  nb::class_<AreaWeb>(m, "AreaWeb")
+  nb::class_<AreaWeb, SpringWeb>(m, "AreaWeb")
       .def(
           "__init__",
           [](AreaWeb* self, std::shared_ptr<AreaBody> A, std::shared_ptr<AreaBody> B,

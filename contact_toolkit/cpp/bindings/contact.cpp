@@ -202,12 +202,25 @@ void BindContact(nb::module_& m) {
             new (self) ContactGeometry{std::move(mesh), body, Pose::FromMatrix(X_BG.data())};
           },
           nb::arg("mesh"), nb::arg("body"), nb::arg("X_BG"));
+  nb::class_<Friction>(m, "Friction")
+      .def(
+          "__init__",
+          [](Friction* self, double static_coefficient, double dynamic_coefficient,
+             double stiffness_ratio, double damping_time, double damping_slope) {
+            new (self) Friction{static_coefficient, dynamic_coefficient, stiffness_ratio,
+                                damping_time, damping_slope};
+          },
+          nb::arg("static_coefficient"), nb::arg("dynamic_coefficient"), nb::arg("stiffness_ratio"),
+          nb::arg("damping_time"), nb::arg("damping_slope"));
   nb::class_<ContactPair>(m, "ContactPair")
       .def(
           "__init__",
           [](ContactPair* self, int a, int b, std::shared_ptr<const SpringWeb> web, double alpha,
-             bool adhesion) { new (self) ContactPair{a, b, std::move(web), {alpha, adhesion}}; },
-          nb::arg("a"), nb::arg("b"), nb::arg("web"), nb::arg("alpha"), nb::arg("adhesion"));
+             bool adhesion, const Friction& friction) {
+            new (self) ContactPair{a, b, std::move(web), {alpha, adhesion}, friction};
+          },
+          nb::arg("a"), nb::arg("b"), nb::arg("web"), nb::arg("alpha"), nb::arg("adhesion"),
+          nb::arg("friction"));
   BindFound(m);
   BindContactArrays(m);
   BindForces(m);

@@ -18,14 +18,15 @@ void BindWitness(nanobind::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "The native core of the contact toolkit.";
-  // pydrake before 1.52 keeps systems written in Python, and what they hold, until the process ends.
+  // pydrake before 1.52 keeps systems written in Python, and what they hold, until the process
+  // ends.
   nanobind::set_leak_warnings(false);
   contact_toolkit::BindMesh(m);
+  contact_toolkit::BindContact(m);  // before the webs, which derive from SpringWeb
   contact_toolkit::BindArea(m);
   contact_toolkit::BindWitness(m);
   contact_toolkit::BindPoint(m);
   contact_toolkit::BindFloatingBodies(m);
-  contact_toolkit::BindContact(m);
   contact_toolkit::BindConvex(m);
   contact_toolkit::BindSwept(m);
 }

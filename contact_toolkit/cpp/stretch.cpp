@@ -1,0 +1,83 @@
+#include "stretch.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "stretch_exchange.h"
+#include "tolerances.h"
+
+namespace contact_toolkit {
+namespace {
+
+Vec3 InPlane(const Vec3& v, const Vec3& normal) { return v - Dot(v, normal) * normal; }
+
+// Turns v, perpendicular to `from`, by the least rotation that takes `from` to `to`.
+Vec3 Turned(const Vec3& v, const Vec3& from, const Vec3& to) {
+  const double one_plus_cos = 1 + Dot(from, to);
+  if (one_plus_cos < kTurnedRound) return InPlane(v, to);
+  return v - Dot(v, to) / one_plus_cos * (from + to);
+}
+
+Vec3 OffsetOf(const Anchor& anchor, const Pose& X_AB) { return anchor.p_AQ - X_AB * anchor.p_BQ; }
+
+Vec3 StretchOf(const Anchor& anchor, const Pose& X_AB, const Vec3& normal) {
+  return Turned(InPlane(OffsetOf(anchor, X_AB), anchor.normal_A), anchor.normal_A, normal);
+}
+
+// Of a spring that had no anchor; see FindStretches.
+Vec3 StretchSinceLastStep(const Vec3& p_AC, double deformation, const Vec3& normal,
+                          const Pose& X_AB, const Pose& last_X_BA) {
+  const Vec3 offset = p_AC - X_AB * (last_X_BA * p_AC);
+  const double approach = -Dot(offset, normal);
+  const double share = approach > deformation ? std::max(0.0, deformation) / approach : 1.0;
+  return share * InPlane(offset, normal);
+}
+
+}  // namespace
+
+void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X_AB,
+                   const AnchorSet* anchors, const Pose* last_X_AB, std::span<Stretch> stretches) {
+  thread_local std::vector<double> kept;        // how much of its stiffness each anchor has left
+  thread_local std::vector<std::size_t> grown;  // springs stiffer than their anchor, or without
+  kept.assign(anchors ? anchors->anchors().size() : 0, 0.0);
+  grown.clear();
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    Stretch& row = stretches[i];
+    row = {};
+    row.anchor = anchors ? anchors->Find(springs.key[i], i) : -1;
+    if (row.anchor < 0) {
+      grown.push_back(i);
+      continue;
+    }
+    const Anchor& anchor = anchors->anchors()[row.anchor];
+    row.sliding = anchor.sliding;
+    row.stretch_A = StretchOf(anchor, X_AB, Normalized(springs.gradient_A[i]));
+    kept[row.anchor] = std::min(springs.stiffness[i], anchor.stiffness);
+    if (springs.stiffness[i] > anchor.stiffness) grown.push_back(i);
+  }
+  if (grown.empty() || !last_X_AB) return;
+
+  const Pose last_X_BA = Inverse(*last_X_AB);
+  std::optional<StretchExchange> exchange;
+  if (anchors && web.CarriesStretch()) exchange.emplace(web, *anchors, kept);
+  for (const std::size_t i : grown) {
+    Stretch& row = stretches[i];
+    const Vec3 normal = Normalized(springs.gradient_A[i]);
+    const double owned = row.anchor >= 0 ? kept[row.anchor] : 0.0;
+    double missing = springs.stiffness[i] - owned;
+    Vec3 sum = owned * row.stretch_A;
+    if (exchange) {
+      for (const auto& [anchor, stiffness] : exchange->Take(springs.key[i], missing)) {
+        sum += stiffness * InPlane(OffsetOf(*anchor, X_AB), normal);
+        missing -= stiffness;
+        if (row.anchor < 0) row.sliding = row.sliding && anchor->sliding;
+      }
+    }
+    sum += missing *
+           StretchSinceLastStep(springs.p_AC[i], springs.deformation[i], normal, X_AB, last_X_BA);
+    row.stretch_A = sum / springs.stiffness[i];
+    row.anchor = -1;
+  }
+}
+
+}  // namespace contact_toolkit
