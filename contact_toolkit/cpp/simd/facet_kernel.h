@@ -120,8 +120,14 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
       } else {
         const V nn = scale - ab * ab;
         const V s_nn = ab * q - bb[f] * p, t_nn = aa[e] * q - ab * p;
-        needs_care = needs_care | ((nn < Fill<V>(kNearlyParallel) * scale) & (scale > zero));
-        const auto valid = (s_nn > zero) & (s_nn < nn) & (t_nn > zero) & (t_nn < nn);
+        auto valid = (s_nn > zero) & (s_nn < nn) & (t_nn > zero) & (t_nn < nn);
+        const auto nearly = nn < Fill<V>(kNearlyParallel) * scale;
+        if (Any(nearly)) {
+          // Parallel edges are as close at one of their corners; in between, dot products fail.
+          const Vec<V> n = Cross(da[e], db[f]);
+          needs_care = needs_care | (nearly & (Dot(n, n) > Fill<V>(kParallel) * scale));
+          valid = valid & !nearly;
+        }
         const V inverse = one / nn;
         const V s = s_nn * inverse, t = t_nn * inverse;
         const Vec<V> v = r0 + s * da[e] - t * db[f];

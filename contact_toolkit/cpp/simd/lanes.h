@@ -97,6 +97,27 @@ CT_INLINE std::uint64_t Bits(Mask8 mask) {
 #endif
 }
 
+// Whether a comparison of doubles holds in any lane.
+CT_INLINE bool Any(bool mask) { return mask; }
+template <class M>
+CT_INLINE bool Any(M mask) {
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof(M) == 64) {
+    using Eight = long long __attribute__((vector_size(64)));
+    return __builtin_ia32_cvtq2mask512(reinterpret_cast<Eight>(mask)) != 0;
+  }
+#endif
+#if defined(__AVX__)
+  using Four = double __attribute__((vector_size(32)));
+  if constexpr (sizeof(M) == 32) {
+    return __builtin_ia32_movmskpd256(reinterpret_cast<Four>(mask)) != 0;
+  }
+#endif
+  bool any = false;
+  for (unsigned k = 0; k < sizeof(M) / sizeof(mask[0]); ++k) any = any || mask[k] != 0;
+  return any;
+}
+
 template <class V>
 struct Vec {
   V x, y, z;
