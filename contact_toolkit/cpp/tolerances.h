@@ -19,9 +19,10 @@ inline constexpr double kCullingSlack = 2e-6;
 // over.
 inline constexpr double kThinFacet = 1e-7;
 
-// [-] Two edges are nearly parallel when sin² of their angle is below this: the fast kernel's dot
-// products then lose more than three digits, and the careful kernel takes over.
-inline constexpr double kNearlyParallel = 1e-5;
+// [-] Two edges are nearly parallel when sin² of their angle is below this: with dot products the
+// distance is then off by more than 1e-12 / 3 of the facets' separation, and the careful kernel
+// takes over.
+inline constexpr double kNearlyParallel = 1e-7;
 
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.

@@ -179,18 +179,23 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   best.Challenge(edges);
   best.Challenge(insides);
 
-  // Crossing: corners i, k on either side of the other plane, and the point between them inside.
-  auto crossing = zero != zero;
-  for (int e = 0; e < 3; ++e) {
-    const int i = kEdgeBase[e], k = kEdgeEnd[e];
-    auto through_b = hb[i] * hb[k] < zero, through_a = ha[i] * ha[k] < zero;
-    const V bi = Absolute(hb[i]), bk = Absolute(hb[k]);
-    const V ai = Absolute(ha[i]), ak = Absolute(ha[k]);
-    for (int f = 0; f < 3; ++f) {
-      through_b = through_b & (bi * wb[k][f] + bk * wb[i][f] >= zero);
-      through_a = through_a & (ai * wa[k][f] + ak * wa[i][f] >= zero);
+  // Crossing: neither facet lies on one side of the other's plane, and there is an edge from corner
+  // i to corner k that passes the other plane inside the facet.
+  auto crossing = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
+                  ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
+  if (Any(crossing)) {
+    crossing = zero != zero;
+    for (int e = 0; e < 3; ++e) {
+      const int i = kEdgeBase[e], k = kEdgeEnd[e];
+      auto through_b = hb[i] * hb[k] < zero, through_a = ha[i] * ha[k] < zero;
+      const V bi = Absolute(hb[i]), bk = Absolute(hb[k]);
+      const V ai = Absolute(ha[i]), ak = Absolute(ha[k]);
+      for (int f = 0; f < 3; ++f) {
+        through_b = through_b & (bi * wb[k][f] + bk * wb[i][f] >= zero);
+        through_a = through_a & (ai * wa[k][f] + ak * wa[i][f] >= zero);
+      }
+      crossing = crossing | through_a | through_b;
     }
-    crossing = crossing | through_a | through_b;
   }
   // Rounds spots / 8 down: adding this number leaves no room for a fraction.
   const V no_fraction = Fill<V>(std::is_same_v<V, long double> ? 0x1.8p63 : 0x1.8p52);

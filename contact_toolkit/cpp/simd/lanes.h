@@ -99,6 +99,7 @@ CT_INLINE std::uint64_t Bits(Mask8 mask) {
 
 // Whether a comparison of doubles holds in any lane.
 CT_INLINE bool Any(bool mask) { return mask; }
+CT_INLINE bool Any(int mask) { return mask != 0; }
 template <class M>
 CT_INLINE bool Any(M mask) {
 #if defined(__AVX512DQ__)
