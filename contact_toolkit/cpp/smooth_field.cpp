@@ -29,23 +29,37 @@ SmoothField::SmoothField(std::shared_ptr<const ProbedSurface> surface, double ce
 
 SmoothField::~SmoothField() = default;
 
-Vec3 SmoothField::LatticePoint(std::int32_t i, std::int32_t j, std::int32_t k) const {
-  return origin_ + Vec3{i * cell_, j * cell_, k * cell_};
-}
-
-void SmoothField::FillBrick(const std::array<std::int32_t, 3>& brick, Brick* filled) const {
-  std::int32_t row_hint = -1;
-  double* at = filled->coefficients.data();
-  for (int i = 0; i < kPoints; ++i) {
-    for (int j = 0; j < kPoints; ++j) {
+// The coefficients at n³ lattice points from `first` on: the distances less an eighth of their
+// second differences along the axes, which makes the spline reproduce quadratics.
+template <int n>
+void SmoothField::Coefficients(const std::array<std::int32_t, 3>& first,
+                               double* coefficients) const {
+  constexpr int m = n + 2;  // with the neighbours on either side
+  double phi[m][m][m];
+  std::int32_t plane_hint = -1;
+  for (int i = 0; i < m; ++i) {
+    std::int32_t row_hint = plane_hint;
+    for (int j = 0; j < m; ++j) {
       std::int32_t hint = row_hint;
-      for (int k = 0; k < kPoints; ++k) {
-        const FieldValue value = surface_->Probe(
-            LatticePoint(brick[0] * kBrick + i, brick[1] * kBrick + j, brick[2] * kBrick + k),
-            hint);
-        *at++ = value.phi;
+      for (int k = 0; k < m; ++k) {
+        const auto border = [](int l) { return l == 0 || l == m - 1; };
+        if (border(i) + border(j) + border(k) > 1) continue;  // no second difference needs it
+        const Vec3 p{(first[0] + i - 1) * cell_, (first[1] + j - 1) * cell_,
+                     (first[2] + k - 1) * cell_};
+        const FieldValue value = surface_->Probe(origin_ + p, hint);
+        phi[i][j][k] = value.phi;
         hint = value.slot;
-        if (k == 0) row_hint = hint;
+        if (k <= 1) row_hint = hint;
+      }
+      if (j <= 1) plane_hint = row_hint;
+    }
+  }
+  for (int i = 1; i <= n; ++i) {
+    for (int j = 1; j <= n; ++j) {
+      for (int k = 1; k <= n; ++k) {
+        const double around = phi[i - 1][j][k] + phi[i + 1][j][k] + phi[i][j - 1][k] +
+                              phi[i][j + 1][k] + phi[i][j][k - 1] + phi[i][j][k + 1];
+        *coefficients++ = phi[i][j][k] - 0.125 * (around - 6 * phi[i][j][k]);
       }
     }
   }
@@ -77,7 +91,8 @@ const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 
       }
       return &slot.Get([&] {
         auto* made = new Brick;
-        FillBrick(brick, made);
+        Coefficients<kPoints>({brick[0] * kBrick, brick[1] * kBrick, brick[2] * kBrick},
+                              made->coefficients.data());
         return made;
       });
     }
@@ -112,14 +127,7 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
   if (cursor->coefficients) {
     first = cursor->coefficients + (base[0] & 7) * plane + (base[1] & 7) * row + (base[2] & 7);
   } else {
-    double* at = few;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        for (int k = 0; k < 3; ++k) {
-          *at++ = surface_->Probe(LatticePoint(base[0] + i, base[1] + j, base[2] + k)).phi;
-        }
-      }
-    }
+    Coefficients<3>(base, few);
     first = few, row = 3, plane = 9;
   }
   using Row = double __attribute__((vector_size(16)));
