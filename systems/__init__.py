@@ -3,6 +3,7 @@
 from systems.add_nonlinear_damper_contact import AddNonlinearDamperContact
 from systems.contact_config import ContactConfig, ContactLawConfig, FrictionConfig, PairConfig
 from systems.nonlinear_damper_contact import NonlinearDamperContact
+from systems.swept_contact_monitor import SweptContactMonitor
 from systems.witness_pair_visualizer import WitnessPairVisualizer
 
 __all__ = [
@@ -12,5 +13,6 @@ __all__ = [
     "FrictionConfig",
     "NonlinearDamperContact",
     "PairConfig",
+    "SweptContactMonitor",
     "WitnessPairVisualizer",
 ]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal, TypeAlias
-from weakref import WeakMethod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +15,17 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import (
     BasicVector,
     Context,
+    DependencyTicket,
     InputPort,
     LeafSystem,
     OutputPort,
     State,
-    ValueProducer,
 )
 
 from contact_toolkit import ContactModel, FloatingBodies, Forces, Found, StepTable
 from systems.body_motion import sort_by_motion
 from systems.contact_watch import ContactWatch, Reported
+from systems.python_cache import holding, producer
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -42,7 +42,8 @@ class NonlinearDamperContact(LeafSystem):
     state ───────────────────>│                          │──> generalized_forces
     body_poses ──────────────>│  NonlinearDamperContact  │──> spatial_forces
     body_spatial_velocities ─>│                          │──> contacts
-                              │       (step table)       │──> body_wrenches
+                              │       (step table)       │──> poses
+                              │                          │──> body_wrenches
                               │                          │──> powers
                               │                          │──> energies
                               └──────────────────────────┘
@@ -54,6 +55,7 @@ class NonlinearDamperContact(LeafSystem):
 
     - `generalized_forces` (nv,); `spatial_forces`, one for each loaded body of the others.
     - `contacts`: a `contact_toolkit.ContactArrays` in W, one row for each loaded spring.
+    - `poses`: X_WB (nb, 4, 4) of the bodies of the model, as a numpy array.
     - `body_wrenches` (6 nb,): torque about Bo [N m] and force [N] in W of each body of the model.
     - `powers` (2,) [W]: lost in damping, lost to friction.
     - `energies` (4,) [J]: stored in normal and in tangential deformation; lost in damping and to
@@ -108,9 +110,9 @@ class NonlinearDamperContact(LeafSystem):
             num_velocities=plant.num_velocities(),
         )
         self._declare_inputs()
-        self._table = self.DeclareAbstractState(_held(model.initial_table()))
+        self._table = self.DeclareAbstractState(holding(model.initial_table()))
         self._watch = ContactWatch(plant, model, bodies, when_deep=when_deep)
-        self._reported = self.DeclareAbstractState(_held(Reported()))
+        self._reported = self.DeclareAbstractState(holding(Reported()))
         self._declare_cache()
         self._declare_outputs(plant.num_velocities())
         self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
@@ -159,6 +161,10 @@ class NonlinearDamperContact(LeafSystem):
         """Return the port of the loaded springs, a `contact_toolkit.ContactArrays` in W."""
         return self.GetOutputPort("contacts")
 
+    def get_poses_output_port(self) -> OutputPort:
+        """Return the port of the poses of the bodies of the model, (nb, 4, 4) in W."""
+        return self.GetOutputPort("poses")
+
     def get_body_wrenches_output_port(self) -> OutputPort:
         """Return the port of the wrenches on the bodies of the model."""
         return self.GetOutputPort("body_wrenches")
@@ -183,19 +189,22 @@ class NonlinearDamperContact(LeafSystem):
     def _declare_cache(self) -> None:
         # The springs do not depend on the step table: it only makes finding them faster.
         self._found = self.DeclareCacheEntry(
-            "loaded springs",
-            ValueProducer(allocate=Value[object], calc=_without_owning(self._find)),
-            {self.input_port_ticket(port.get_index()) for port in (self._state, self._body_poses)},
+            "loaded springs", producer(self._find), self._pose_tickets()
         )
         self._forces = self.DeclareCacheEntry(
             "forces",
-            ValueProducer(allocate=Value[object], calc=_without_owning(self._push)),
+            producer(self._push),
             {
                 self._found.ticket(),
                 self.input_port_ticket(self._body_velocities.get_index()),
                 self.abstract_state_ticket(self._table),
             },
         )
+
+    def _pose_tickets(self) -> set[DependencyTicket]:
+        return {
+            self.input_port_ticket(port.get_index()) for port in (self._state, self._body_poses)
+        }
 
     def _declare_outputs(self, num_velocities: int) -> None:
         forces = {self._forces.ticket()}
@@ -210,6 +219,9 @@ class NonlinearDamperContact(LeafSystem):
             forces,
         )
         self.DeclareAbstractOutputPort("contacts", Value[object], self._output_contacts, forces)
+        self.DeclareAbstractOutputPort(
+            "poses", Value[object], self._output_poses, self._pose_tickets()
+        )
         self.DeclareVectorOutputPort("body_wrenches", wrenches, self._output_wrenches, forces)
         self.DeclareVectorOutputPort("powers", 2, self._output_powers, forces)
         self.DeclareVectorOutputPort(
@@ -279,6 +291,9 @@ class NonlinearDamperContact(LeafSystem):
     def _output_contacts(self, context: Context, output: AbstractValue) -> None:
         output.set_value(self._eval_forces(context).contacts)
 
+    def _output_poses(self, context: Context, output: AbstractValue) -> None:
+        output.set_value(self._eval_poses(context))
+
     def _output_wrenches(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._eval_forces(context).body_wrenches.ravel())
 
@@ -289,26 +304,6 @@ class NonlinearDamperContact(LeafSystem):
         stored = self._eval_forces(context).energies
         lost = self._eval_advanced_table(context).losses
         output.SetFromVector(np.concatenate([stored, lost]))
-
-
-def _held(value: object) -> AbstractValue:
-    holder = Value[object]()
-    holder.set_value(value)
-    return holder
-
-
-def _without_owning(
-    calc: Callable[[Context, AbstractValue], None],
-) -> Callable[[Context, AbstractValue], None]:
-    """Break the circle system, cache entry, method, system: else no diagram is ever freed."""
-    method = WeakMethod(calc)
-
-    def calc_weakly(context: Context, value: AbstractValue) -> None:
-        bound = method()
-        assert bound is not None  # the system evaluates its own cache
-        bound(context, value)
-
-    return calc_weakly
 
 
 def _spatial_force(body: BodyIndex, wrench: Floats) -> ExternallyAppliedSpatialForce:
