@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-_COLUMNS = ("query", "facet pairs", "distance", "point off facet", "gap", "cases")
-
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -16,20 +14,29 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    rows = [
-        value
-        for reports in terminalreporter.stats.values()
-        for report in reports
-        for name, value in getattr(report, "user_properties", ())
-        if name == "accuracy" and report.when == "call"
-    ]
-    if not rows:
+    worst: dict[tuple[str, float], dict[str, float]] = {}
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            if getattr(report, "when", "") != "call":
+                continue
+            for name, value in report.user_properties:
+                if name == "accuracy":
+                    cases, limit, query, error = value
+                    worst.setdefault((cases, limit), {})[query] = error
+    if not worst:
         return
-    cells = [[f"{x:.0e}" if isinstance(x, float) else str(x) for x in row] for row in rows]
-    table = "\n".join(
-        "| " + " | ".join(row) + " |" for row in [_COLUMNS, ["---"] * len(_COLUMNS), *cells]
-    )
+    table = _as_table(worst)
     terminalreporter.section("worst errors, as shares of the coordinates' size")
     terminalreporter.write_line(table)
     if path := config.getoption("--accuracy-table"):
         path.write_text(table + "\n")
+
+
+def _as_table(worst: dict[tuple[str, float], dict[str, float]]) -> str:
+    queries = list(dict.fromkeys(query for row in worst.values() for query in row))
+    rows = [["facet pairs", "allowed", *(f"`{query}`" for query in queries)]]
+    rows.append(["---"] * len(rows[0]))
+    for (cases, limit), row in worst.items():
+        errors = (f"{row[query]:.0e}" if query in row else "" for query in queries)
+        rows.append([cases, f"{limit:.0e}", *errors])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -68,9 +68,9 @@ def _candidates(s: Triangle, t: Triangle) -> Iterator[Fraction]:
     The closest points lie inside one feature of each triangle, and there the vector between them
     is perpendicular to both features; or the triangles cross, and an edge of one meets the other.
     """
-    yield from (Fraction(_dot(d, d)) for d in (_minus(p, q) for p, q in product(s, t)))
+    yield from (Fraction(_dot(d, d)) for d in (_minus(p, q) for p, q in product(set(s), set(t))))
     for points, triangle in ((s, t), (t, s)):
-        for p in points:
+        for p in set(points):
             yield from (r for edge in _edges(triangle) for r in _point_edge(p, *edge))
             yield from _point_facet(p, *triangle)
         for edge in _edges(points):
@@ -80,7 +80,8 @@ def _candidates(s: Triangle, t: Triangle) -> Iterator[Fraction]:
 
 
 def _edges(triangle: Triangle) -> list[tuple[Point, Point]]:
-    return [(triangle[i], triangle[(i + 1) % 3]) for i in range(3)]
+    ends = ((triangle[i], triangle[(i + 1) % 3]) for i in range(3))
+    return [(a, b) for a, b in ends if a != b]
 
 
 def _point_edge(p: Point, a: Point, b: Point) -> Iterator[Fraction]:

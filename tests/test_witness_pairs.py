@@ -106,6 +106,25 @@ def _check_witnesses(A, B, X_AB, found, *, tolerance, on_facet):
     assert np.abs(found.normal_A[clear] - from_b_to_a).max(initial=0) < 1e-2
 
 
+def test_everything_at_the_standoff():
+    """Culling in single precision that rounds away what lies a millionth inside of it."""
+    vertices, faces = mesh_shapes.sheet(6, wave=0)
+    rng = np.random.default_rng(7)
+    for _ in range(40):
+        tilt, gap, angle = random_rotation(rng), 10.0 ** rng.uniform(-6, 0), rng.uniform(0, 7)
+        turn = np.array(
+            [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+        )
+        A = CollisionMesh(vertices @ tilt.T, faces)
+        B = CollisionMesh(vertices, faces)
+        shift = np.append(rng.uniform(-0.3, 0.3, 2), gap)
+        X_AB = pose(tilt @ turn, tuple(tilt @ shift))
+        standoff = gap + 1e-14
+        found = witness_pairs(A, B, X_AB, standoff, merge=False)
+        expected = brute.facet_pairs(A, B, X_AB, standoff)
+        assert len(found) == len(expected) > 100
+
+
 @pytest.mark.parametrize("shapes", SHAPE_PAIRS.values(), ids=SHAPE_PAIRS)
 def test_features_carry_the_witness_points(shapes):
     """A feature that is not the facet's, or that the witness point does not lie on."""

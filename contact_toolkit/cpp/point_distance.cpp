@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 
+#include "simd/lanes.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
@@ -109,7 +110,11 @@ class Search {
   void Try(std::int32_t slot) {
     const double* c = bvh_.slot_coordinates.data() + 9 * static_cast<std::size_t>(slot);
     const Vec3 corner[3] = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}};
-    if (TryInside(slot, corner) && !bvh_.slot_thin[slot]) return;
+    if (bvh_.slot_thin[slot]) {
+      TryInside<long double>(slot, corner);
+    } else if (TryInside<double>(slot, corner)) {
+      return;
+    }
     TryEdge(slot, corner[0], corner[1], 0b001, 0b010);
     TryEdge(slot, corner[0], corner[2], 0b001, 0b100);
     TryEdge(slot, corner[1], corner[2], 0b010, 0b100);
@@ -124,14 +129,22 @@ class Search {
   };
   static constexpr int kStack = 16 * kBvhWidth;  // more than a million facets need
 
-  bool TryInside(std::int32_t slot, const Vec3 corner[3]) {
-    const Vec3 u = corner[1] - corner[0], v = corner[2] - corner[0], w = p_ - corner[0];
-    const Vec3 n = Cross(u, v);
-    const double whole = SquaredNorm(n);
-    const double along_u = Dot(n, Cross(w, v)), along_v = Dot(n, Cross(u, w));
+  // In extended precision where the facet is thin: the foot would miss it by its width otherwise.
+  template <class T>
+  bool TryInside(std::int32_t slot, const Vec3 (&corner)[3]) {
+    const auto from_corner = [&](const Vec3& q) {
+      return Vec<T>{T(q.x) - corner[0].x, T(q.y) - corner[0].y, T(q.z) - corner[0].z};
+    };
+    const Vec<T> u = from_corner(corner[1]), v = from_corner(corner[2]), w = from_corner(p_);
+    const Vec<T> n = Cross(u, v);
+    const T whole = Dot(n, n);
+    const T along_u = Dot(n, Cross(w, v)), along_v = Dot(n, Cross(u, w));
     if (!(along_u > 0 && along_v > 0 && along_u + along_v < whole)) return false;
     // A point of the facet even where the plane is inaccurate, so never too close.
-    const Vec3 foot = corner[0] + (along_u / whole) * u + (along_v / whole) * v;
+    const Vec<T> to_foot = (along_u / whole) * u + (along_v / whole) * v;
+    const Vec3 foot = corner[0] + Vec3{static_cast<double>(to_foot.x),
+                                       static_cast<double>(to_foot.y),
+                                       static_cast<double>(to_foot.z)};
     Keep(slot, foot, SquaredNorm(p_ - foot), 0b111);
     return true;
   }
