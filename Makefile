@@ -65,7 +65,7 @@ test-slow: build  ## run the slow tests
 	$(PYTEST) -n $(WORKERS) --dist loadfile -m slow $(ARGS) || [ $$? = 5 ]
 
 bench: build $(VENV)/.extra-bench  ## measure against the yardsticks
-	$(PYTEST) --benchmark-enable benchmarks $(ARGS)
+	$(BIN)/python -m benchmarks --out benchmarks $(ARGS)
 
 # --- checks --------------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ namespace contact_toolkit {
 void BindArea(nanobind::module_& m);
 void BindContact(nanobind::module_& m);
 void BindConvex(nanobind::module_& m);
+void BindFacetPair(nanobind::module_& m);
 void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
 void BindPoint(nanobind::module_& m);
@@ -25,6 +26,7 @@ NB_MODULE(_core, m) {
   contact_toolkit::BindContact(m);  // before the webs, which derive from SpringWeb
   contact_toolkit::BindArea(m);
   contact_toolkit::BindWitness(m);
+  contact_toolkit::BindFacetPair(m);
   contact_toolkit::BindPoint(m);
   contact_toolkit::BindFloatingBodies(m);
   contact_toolkit::BindConvex(m);
