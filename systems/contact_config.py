@@ -19,10 +19,8 @@ class FrictionConfig:
     static, dynamic
         Coefficients; when unset, those of the two geometries, combined as Drake does. `static`
         alone sets both.
-    stiffness_ratio
-        Tangential stiffness over normal stiffness, 2/3 unless set.
-    damping
-        Tangential damping; see `contact_toolkit.Friction`.
+    stiffness_ratio, damping
+        As in `contact_toolkit.Friction`, with its defaults.
     """
 
     static: float | None = None
@@ -63,8 +61,6 @@ class ContactLawConfig:
     resolution
         Area web: spacing of the nodes, relative to the bounding box diagonal of the smaller
         geometry, 0.02 unless set.
-    fillet
-        Area web: radius [m] with which crossing sharp edges carry load; none unless set.
     friction
         See `FrictionConfig`.
     """
@@ -79,7 +75,6 @@ class ContactLawConfig:
     weighting: str | None = None
     field: str | None = None
     resolution: float | None = None
-    fillet: float | None = None
     friction: FrictionConfig = dataclasses.field(default_factory=FrictionConfig)
 
 
@@ -109,9 +104,6 @@ class ContactConfig(ContactLawConfig):
         geometries that SceneGraph does not filter.
     overrides
         Exceptions for some of these pairs; a later one wins.
-    materials
-        Body name to the name of a material in `contact_toolkit.MATERIALS`, which then stands for
-        the proximity properties of the body's geometries.
     tessellation_tolerance
         How far facets may lie inside a curved shape, relative to its radius.
     half_space_reach
@@ -122,7 +114,6 @@ class ContactConfig(ContactLawConfig):
 
     pairs: list[list[str]] = dataclasses.field(default_factory=list)
     overrides: list[PairConfig] = dataclasses.field(default_factory=list)
-    materials: dict[str, str] = dataclasses.field(default_factory=dict)
     tessellation_tolerance: float = 0.005
     half_space_reach: float = 100.0
     threads: int = 1

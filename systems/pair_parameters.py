@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from contact_toolkit import CollisionMesh, ContactPair, NonlinearDamper
+from contact_toolkit import CollisionMesh, ContactPair, Friction, NonlinearDamper
 from systems.contact_config import ContactLawConfig, FrictionConfig
 from systems.proximity_material import ProximityMaterial
 
@@ -45,7 +45,8 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
         b.index,
         damper,
         web=web,
-        **_given(law, "standoff", "weighting", "field", "resolution", "fillet"),
+        friction=_friction(a.material, b.material, law.friction),
+        **_given(law, "standoff", "weighting", "field", "resolution"),
     )
 
 
@@ -98,3 +99,13 @@ def _dissipation(a: ProximityMaterial, b: ProximityMaterial) -> float:
         return (a.dissipation + b.dissipation) / 2
     series = _in_series(a.modulus, b.modulus)
     return series / a.modulus * a.dissipation + series / b.modulus * b.dissipation
+
+
+def _friction(a: ProximityMaterial, b: ProximityMaterial, settings: FrictionConfig) -> Friction:
+    """Take the settings; combine the coefficients of the two sides where there are none."""
+    static, dynamic = settings.static, settings.dynamic
+    if static is None:
+        static = Friction.combined_coefficient(a.static_friction, b.static_friction)
+        if dynamic is None:
+            dynamic = Friction.combined_coefficient(a.dynamic_friction, b.dynamic_friction)
+    return Friction(static, dynamic, **_given(settings, "stiffness_ratio", "damping"))

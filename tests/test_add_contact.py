@@ -11,16 +11,19 @@ from pydrake.common.yaml import yaml_load_typed
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
+    AddRigidHydroelasticProperties,
     Box,
     CollisionFilterDeclaration,
     GeometrySet,
     ProximityProperties,
     Role,
+    RoleAssign,
 )
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
+    CalcContactFrictionFromSurfaceProperties,
     CoulombFriction,
     ExternallyAppliedSpatialForce,
 )
@@ -28,8 +31,14 @@ from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
 
-from contact_toolkit import NonlinearDamper
-from systems import AddNonlinearDamperContact, ContactConfig, NonlinearDamperContact, PairConfig
+from contact_toolkit import Friction, NonlinearDamper
+from systems import (
+    AddNonlinearDamperContact,
+    ContactConfig,
+    FrictionConfig,
+    NonlinearDamperContact,
+    PairConfig,
+)
 
 FACET = {"web": "facet", "standoff": 0.01, "k": 1e4, "alpha": 0.0}
 
@@ -174,6 +183,58 @@ def test_law_follows_the_proximity_properties_where_nothing_is_set():
     assert not pair.damper.adhesion
 
 
+def test_area_web_is_the_default_and_takes_moduli_over_skins_in_series():
+    boxes = Boxes("a")
+    contact = AddNonlinearDamperContact(boxes.builder, boxes.plant, boxes.scene_graph)
+    (pair,) = contact.model.pairs
+    skin = 0.01 * math.sqrt(3) * 0.2  # of the smaller geometry, the box
+    assert pair.web == "area"
+    assert pair.standoff == 0.0
+    assert pair.damper.k == pytest.approx(1e6 / skin)  # two of 2e6 Pa in series
+    (pair,) = Boxes("a").add(web="area", standoff=None, k=None, skin=1e-3).model.pairs
+    assert pair.damper.k == pytest.approx(1e9)
+
+
+def test_friction_is_combined_as_drake_does_unless_set():
+    boxes = Boxes("a")
+    rougher = CoulombFriction(0.9, 0.8)
+    properties = ProximityProperties()
+    AddContactMaterial(friction=rougher, properties=properties)
+    boxes.scene_graph.AssignRole(
+        boxes.plant.get_source_id(), boxes.shapes[0], properties, RoleAssign.kReplace
+    )
+    (pair,) = boxes.add().model.pairs
+    combined = CalcContactFrictionFromSurfaceProperties(CoulombFriction(0.6, 0.4), rougher)
+    assert pair.friction.static == pytest.approx(combined.static_friction())
+    assert pair.friction.dynamic == pytest.approx(combined.dynamic_friction())
+    settings = FrictionConfig(static=0.3, stiffness_ratio=1.0)
+    (pair,) = Boxes("a").add(friction=settings).model.pairs
+    assert pair.friction == Friction(0.3, None, stiffness_ratio=1.0)
+
+
+def test_override_of_one_friction_setting_keeps_the_others():
+    contact = Boxes("a").add(
+        friction=FrictionConfig(static=0.3, stiffness_ratio=1.0),
+        overrides=[PairConfig(bodies=["a", "world"], friction=FrictionConfig(static=0.5))],
+    )
+    (pair,) = contact.model.pairs
+    assert pair.friction == Friction(0.5, None, stiffness_ratio=1.0)
+
+
+def test_two_rigid_bodies_need_a_stiffness():
+    boxes = Boxes("a")
+    rigid = ProximityProperties()
+    AddContactMaterial(friction=CoulombFriction(0.5, 0.5), properties=rigid)
+    AddRigidHydroelasticProperties(0.1, rigid)
+    inspector = boxes.scene_graph.model_inspector()
+    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
+        boxes.scene_graph.AssignRole(
+            boxes.plant.get_source_id(), geometry, rigid, RoleAssign.kReplace
+        )
+    with pytest.raises(ValueError, match="contact between world and a: neither geometry gives way"):
+        boxes.add(web="area", standoff=None, k=None)
+
+
 def test_law_follows_the_settings_where_there_are_any():
     settings = {"k": 3.0, "alpha": 0.5, "n": 1.5, "adhesion": True, "weighting": "unit"}
     (pair,) = Boxes("a").add(standoff=0.002, **settings).model.pairs
@@ -248,6 +309,10 @@ def test_settings_load_from_yaml():
         ),
         ({"weighting": "none"}, "weighting must be"),
         ({"threads": 0}, "threads must be"),
+        ({"friction": FrictionConfig(static=-0.1)}, "contact between world and a: static must be"),
+        ({"friction": FrictionConfig(static=0.1, dynamic=0.2)}, "dynamic must be between 0 and"),
+        ({"web": "area", "k": None, "skin": 0.0}, "skin must be a thickness"),
+        ({"web": "area", "field": "corn"}, "field must be one of"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused_with_the_mend(settings, message):
