@@ -5,6 +5,13 @@ from contact_toolkit.contact_law import NonlinearDamper
 from contact_toolkit.contact_model import ContactArrays, ContactModel, Forces, Found, StepTable
 from contact_toolkit.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.convex import ConvexPieces, Shape
+from contact_toolkit.cspace import CSpaceClass, CSpaceGeometry, CSpaceModel
+from contact_toolkit.cspace_classify import (
+    Classification,
+    MotionClassification,
+    classify,
+    classify_motions,
+)
 from contact_toolkit.decomposition import DecompositionError, decompose
 from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.friction import Friction
@@ -43,6 +50,10 @@ __all__ = [
     "FACET",
     "PIECE",
     "VERTEX",
+    "CSpaceClass",
+    "CSpaceGeometry",
+    "CSpaceModel",
+    "Classification",
     "ClosestPair",
     "CollisionMesh",
     "ContactArrays",
@@ -59,6 +70,7 @@ __all__ = [
     "ImpactStatus",
     "MeshDefects",
     "MeshError",
+    "MotionClassification",
     "NonlinearDamper",
     "Shape",
     "SignedDistances",
@@ -69,6 +81,8 @@ __all__ = [
     "TimesOfImpact",
     "WitnessCache",
     "WitnessPairs",
+    "classify",
+    "classify_motions",
     "decompose",
     "distance",
     "distance_batch",

@@ -50,17 +50,16 @@ def distance_batch(
     B: Shape,
     X_AB: ArrayLike,
     *,
-    upper_bound: float = np.inf,
+    upper_bound: ArrayLike = np.inf,
     threads: int | None = None,
 ) -> Distances:
     """Find the closest points of two shapes at (n, 4, 4) poses of B in A; see `distance`.
 
-    `threads`: None takes as many as the process may use.
+    `upper_bound`: one for all rows, or (n,). `threads`: None takes as many as the process may use.
     """
-    if not upper_bound >= 0:
-        raise ValueError(f"upper_bound must be at least 0, not {upper_bound}")
     poses = as_poses(X_AB)
-    found = _core.distances(A._core, B._core, poses, upper_bound, as_threads(threads))
+    bounds = as_upper_bounds(upper_bound, len(poses))
+    found = _core.distances(A._core, B._core, poses, bounds, as_threads(threads))
     return Distances(**found)
 
 
@@ -93,6 +92,17 @@ def as_poses(X: ArrayLike, name: str = "X_AB") -> Floats:
         bad = int(np.argmin(rigid))
         as_pose(poses[bad], f"{name}[{bad}]")  # raises, saying what is wrong
     return poses
+
+
+def as_upper_bounds(upper_bound: ArrayLike, rows: int) -> Floats:
+    """Return an upper bound (n,) for each row; raise ValueError if any is negative or no number."""
+    try:
+        bounds = np.broadcast_to(np.asarray(upper_bound, dtype=np.float64), (rows,))
+    except ValueError as error:
+        raise ValueError(f"upper_bound must be a number or ({rows},) numbers: {error}") from error
+    if not (bounds >= 0).all():
+        raise ValueError(f"upper_bound must be at least 0, not {bounds[~(bounds >= 0)][0]}")
+    return np.ascontiguousarray(bounds)
 
 
 def as_threads(threads: int | None) -> int:

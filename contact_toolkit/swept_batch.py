@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_toolkit import _core
-from contact_toolkit.batch import as_poses, as_threads
+from contact_toolkit.batch import as_poses, as_threads, as_upper_bounds
 from contact_toolkit.convex import Shape
 from contact_toolkit.mesh import Floats, Ints
 
@@ -63,15 +63,13 @@ def swept_distance_batch(
     X_AB_end: ArrayLike,
     *,
     tolerance: float | None = None,
-    upper_bound: float = np.inf,
+    upper_bound: ArrayLike = np.inf,
     threads: int | None = None,
 ) -> SweptDistances:
     """Find the least distances over n motions between (n, 4, 4) poses; see `swept_distance`.
 
-    `threads`: None takes as many as the process may use.
+    `upper_bound`: one for all rows, or (n,). `threads`: None takes as many as the process may use.
     """
-    if not upper_bound >= 0:
-        raise ValueError(f"upper_bound must be at least 0, not {upper_bound}")
     start, end = _as_motions(X_AB_start, X_AB_end)
     found = _core.swept_distance(
         A._core,
@@ -79,7 +77,7 @@ def swept_distance_batch(
         start,
         end,
         _as_tolerance(tolerance, A, B),
-        upper_bound,
+        as_upper_bounds(upper_bound, len(start)),
         as_threads(threads),
     )
     return SweptDistances(**found)

@@ -134,10 +134,10 @@ class Solver {
     Vec3 v = start.point;
     for (result_.iterations = 1; result_.iterations <= kGjkIterations; ++result_.iterations) {
       const double norm = Norm(v);
-      if (!(norm > kEpsilon * size_)) return Finish(v, GjkStatus::kOverlapping);
+      if (!(norm > Rounding())) return Finish(v, GjkStatus::kOverlapping);
       const Support w = SupportAlong(Across(simplex_, v));
       if (result_.lower_bound > bound) return Finish(v, GjkStatus::kBeyondBound);
-      if (norm - w.along <= kGjkGap * kEpsilon * size_ || simplex_.Contains(w.a, w.b)) {
+      if (norm - w.along <= Rounding() || simplex_.Contains(w.a, w.b)) {
         return Finish(v, GjkStatus::kSeparated);
       }
       simplex_.Push(w.point, w.a, w.b);
@@ -153,6 +153,8 @@ class Solver {
     int a, b;
     double along;  // the separation the plane with this normal proves
   };
+
+  double Rounding() const { return kGjkGap * kEpsilon * size_; }
 
   // The point of A − B least far along a unit vector; remembers the best separating plane.
   Support SupportAlong(const Vec3& unit) {

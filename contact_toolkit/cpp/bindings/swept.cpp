@@ -9,22 +9,24 @@
 namespace contact_toolkit {
 namespace {
 
+using BoundsIn = ArrayIn<double, Any>;
+
 Motion MotionOf(const PosesIn& start, const PosesIn& end, int i) {
   return {Pose::FromMatrix(start.data() + 16 * i), Pose::FromMatrix(end.data() + 16 * i)};
 }
 
-int CountOf(const PosesIn& start, const PosesIn& end) {
-  if (start.shape(0) != end.shape(0)) throw nb::value_error("as many end poses as start poses");
-  return static_cast<int>(start.shape(0));
+void RequireRows(std::size_t rows, const PosesIn& start) {
+  if (rows != start.shape(0)) throw nb::value_error("all arguments need the same number of rows");
 }
 
 // The answers to all motions, each an element of `answers`.
 template <typename Answer, typename Find>
 std::vector<Answer> FindAll(const PosesIn& start, const PosesIn& end, int threads, Find&& find) {
-  std::vector<Answer> answers(CountOf(start, end));
+  RequireRows(end.shape(0), start);
+  std::vector<Answer> answers(start.shape(0));
   const nb::gil_scoped_release release;
   ParallelFor(static_cast<int>(answers.size()), threads,
-              [&](int i, int) { answers[i] = find(MotionOf(start, end, i)); });
+              [&](int i, int) { answers[i] = find(MotionOf(start, end, i), i); });
   return answers;
 }
 
@@ -46,11 +48,12 @@ std::vector<Answer> FindAll(const PosesIn& poses, int threads, Find&& find) {
   return FindAll<Answer>(poses, poses, threads, std::forward<Find>(find));
 }
 
-nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, double upper_bound, int threads) {
+nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, BoundsIn upper_bound, int threads) {
+  RequireRows(upper_bound.shape(0), poses);
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   using Answer = SweptDistance;
-  const auto answers = FindAll<Answer>(poses, threads, [&](const Motion& still) {
-    return FindSweptDistance(a, b, still, 0, upper_bound);
+  const auto answers = FindAll<Answer>(poses, threads, [&](const Motion& still, int i) {
+    return FindSweptDistance(a, b, still, 0, upper_bound.data()[i]);
   });
   nb::dict columns;
   columns["distance"] = ToNumpy(Column(answers, &Answer::distance));
@@ -63,17 +66,18 @@ nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, double upper_bou
 
 nb::object IntersectOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
-  return ToBooleans(FindAll<std::uint8_t>(poses, threads, [&](const Motion& still) {
+  return ToBooleans(FindAll<std::uint8_t>(poses, threads, [&](const Motion& still, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, still, 0));
   }));
 }
 
 nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double tolerance,
-                         double upper_bound, int threads) {
+                         BoundsIn upper_bound, int threads) {
+  RequireRows(upper_bound.shape(0), start);
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   using Answer = SweptDistance;
-  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion) {
-    return FindSweptDistance(a, b, motion, tolerance, upper_bound);
+  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion, int i) {
+    return FindSweptDistance(a, b, motion, tolerance, upper_bound.data()[i]);
   });
   std::vector<double> error;
   std::vector<std::uint8_t> converged;
@@ -97,7 +101,7 @@ nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, 
                         double tolerance, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   using Answer = TimeOfImpact;
-  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion) {
+  const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion, int) {
     return FindTimeOfImpact(a, b, motion, separation, tolerance);
   });
   nb::dict columns;
@@ -117,7 +121,7 @@ nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, 
 nb::object SweptIntersectsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
                              double tolerance, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
-  return ToBooleans(FindAll<std::uint8_t>(start, end, threads, [&](const Motion& motion) {
+  return ToBooleans(FindAll<std::uint8_t>(start, end, threads, [&](const Motion& motion, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, motion, tolerance));
   }));
 }
@@ -126,12 +130,12 @@ nb::object SweptIntersectsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn 
 
 void BindSwept(nb::module_& m) {
   m.def("distances", &DistancesOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
-        nb::arg("upper_bound"), nb::arg("threads"));
+        nb::arg("upper_bound").noconvert(), nb::arg("threads"));
   m.def("intersect", &IntersectOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
         nb::arg("threads"));
   m.def("swept_distance", &SweptDistanceOf, nb::arg("A"), nb::arg("B"),
         nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("tolerance"),
-        nb::arg("upper_bound"), nb::arg("threads"));
+        nb::arg("upper_bound").noconvert(), nb::arg("threads"));
   m.def("time_of_impact", &TimeOfImpactOf, nb::arg("A"), nb::arg("B"),
         nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("separation"),
         nb::arg("tolerance"), nb::arg("threads"));
