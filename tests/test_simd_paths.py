@@ -3,7 +3,7 @@
 import mesh_shapes
 import numpy as np
 import pytest
-from facet_cases import CASES
+from facet_cases import CASES, apart, crossing, grazing, shared_edge
 from poses import random_pose
 
 from contact_toolkit import CollisionMesh, _core, distance, intersects, witness_pairs
@@ -27,9 +27,8 @@ def _select(path):
         pytest.skip(f"this processor has no {path}")
 
 
-def _soup_of(cases, rng):
-    """All first facets of a class against all second ones."""
-    pairs = cases(rng)[:40]
+def _soup_of(pairs):
+    """All first facets in one mesh, all second ones in another."""
     return [
         CollisionMesh(pairs[:, i].reshape(-1, 3), np.arange(3 * len(pairs)).reshape(-1, 3))
         for i in (0, 1)
@@ -57,7 +56,7 @@ def _assert_same_bits(A, B, X_AB, standoff, path):
 def test_nasty_facets(cases, path):
     """A reordered sum, or a comparison that treats equals otherwise."""
     rng = np.random.default_rng(0)
-    A, B = _soup_of(cases, rng)
+    A, B = _soup_of(cases(rng)[:40])
     _assert_same_bits(A, B, np.eye(4), A.diagonal / 4, path)
     _assert_same_bits(A, B, random_pose(rng, A.diagonal / 4), A.diagonal / 4, path)
 
@@ -77,3 +76,20 @@ def test_unknown_path():
     """A misspelt path must not silently be another."""
     with pytest.raises(ValueError, match=r"sse9.*scalar"):
         _core.select_simd("sse9")
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("cases", [apart, crossing, shared_edge, grazing])
+def test_alone_or_among_others(cases, path):
+    """A pair whose answer depends on which other pairs share its vector."""
+    _select(path)
+    pairs = cases(np.random.default_rng(0))[:40]
+    A, B = _soup_of(pairs)
+    together = witness_pairs(A, B, np.eye(4), 2 * A.diagonal, merge=False)
+    assert len(together) == len(pairs) ** 2
+    singles = [[CollisionMesh(facet, [[0, 1, 2]]) for facet in pairs[:, i]] for i in (0, 1)]
+    for row, (a, b) in enumerate(zip(together.facet_a, together.facet_b, strict=True)):
+        alone = witness_pairs(singles[0][a], singles[1][b], np.eye(4), 2 * A.diagonal, merge=False)
+        assert alone.distance[0] == together.distance[row]
+        np.testing.assert_array_equal(alone.p_ACa[0], together.p_ACa[row])
+        np.testing.assert_array_equal(alone.p_ACb[0], together.p_ACb[row])

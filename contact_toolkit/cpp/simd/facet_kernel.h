@@ -181,10 +181,10 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
 
   // Crossing: neither facet lies on one side of the other's plane, and there is an edge from corner
   // i to corner k that passes the other plane inside the facet.
-  auto crossing = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
-                  ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
-  if (Any(crossing)) {
-    crossing = zero != zero;
+  const auto on_both_sides = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
+                             ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
+  auto crossing = zero != zero;
+  if (Any(on_both_sides)) {
     for (int e = 0; e < 3; ++e) {
       const int i = kEdgeBase[e], k = kEdgeEnd[e];
       auto through_b = hb[i] * hb[k] < zero, through_a = ha[i] * ha[k] < zero;
@@ -196,6 +196,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
       }
       crossing = crossing | through_a | through_b;
     }
+    crossing = crossing & on_both_sides;  // whatever the other lanes hold
   }
   // Rounds spots / 8 down: adding this number leaves no room for a fraction.
   const V no_fraction = Fill<V>(std::is_same_v<V, long double> ? 0x1.8p63 : 0x1.8p52);
