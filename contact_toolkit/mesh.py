@@ -161,6 +161,15 @@ class CollisionMesh:
         """Surface area [m²]."""
         return self._core.area
 
+    @property
+    def hierarchy(self) -> dict[str, float]:
+        """Figures of the bounding volume hierarchy: nodes, depth, occupancy, size in memory [B]."""
+        return self._core.hierarchy_figures
+
+    def hierarchy_boxes(self, depth: int) -> Floats:
+        """Return the boxes `depth` levels below the root's children: (n, 2, 3) corners [m]."""
+        return self._core.hierarchy_boxes(depth).reshape(-1, 2, 3)
+
     def __repr__(self) -> str:
         return f"CollisionMesh({len(self.vertices)} vertices, {len(self.faces)} facets)"
 

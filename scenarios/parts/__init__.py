@@ -57,12 +57,16 @@ def make_part(name: str, parameters: Mapping[str, Any] | None = None) -> Surface
             f"part '{name}' has no parameter {', '.join(unknown)}; it has: {', '.join(known)}"
         )
     for key, value in given.items():
-        wanted = type(known[key].default)
-        fits = isinstance(value, int if wanted is int else (int, float))
-        if isinstance(value, bool) or not fits:
-            raise ValueError(f"part '{name}': {key} must be {wanted.__name__}, not {value!r}")
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise ValueError(  # noqa: TRY004  ValueError is what the docstring promises
+                f"part '{name}': {key} must be a number, not {value!r}"
+            )
         if not math.isfinite(value):
             raise ValueError(f"part '{name}': {key} must be finite, not {value}")
+        if isinstance(known[key].default, int):
+            if value != int(value):
+                raise ValueError(f"part '{name}': {key} must be a whole number, not {value}")
+            given[key] = int(value)
     try:
         return generator(**given)
     except ValueError as error:

@@ -1,0 +1,81 @@
+"""Check that the installation works, piece by piece."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from importlib.metadata import version
+
+import numpy as np
+from rich.table import Table
+
+
+def examine() -> tuple[Table, bool]:
+    """Return a table of findings, and whether all that is needed works."""
+    table = Table("", "finding", box=None, pad_edge=False)
+    healthy = True
+    for name, (needed, probe) in _PROBES.items():
+        try:
+            finding, mark = probe(), "[green]✓[/]"
+        except Exception as error:  # noqa: BLE001  a doctor reports whatever is wrong
+            finding, mark = f"{type(error).__name__}: {error}", "[red]✗[/]" if needed else "–"
+            healthy &= not needed
+        table.add_row(f"{mark} {name}", finding)
+    return table, healthy
+
+
+def _python() -> str:
+    return f"{sys.version.split()[0]}, {sys.executable}"
+
+
+def _package() -> str:
+    return version("contact-toolkit")
+
+
+def _engine() -> str:
+    from contact_toolkit import CollisionMesh, distance
+    from scenarios.parts import box
+
+    cube, pose = CollisionMesh(*box()), np.eye(4)
+    pose[0, 3] = 0.25
+    found = distance(cube, cube, pose).distance
+    if abs(found - 0.15) > 1e-12:
+        raise ArithmeticError(f"two cubes 0.15 m apart come out {found} m apart")
+    return "two cubes 0.15 m apart are 0.15 m apart"
+
+
+def _drake() -> str:
+    from pydrake.multibody.plant import MultibodyPlant
+
+    MultibodyPlant(0.0).Finalize()
+    return version("drake")
+
+
+def _contact() -> str:
+    from scenarios.loading import library
+
+    return f"{len(library())} scenarios in the library"
+
+
+def _browser() -> str:
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        if path := shutil.which(name):
+            return path
+    raise FileNotFoundError("no Chromium; only the browser tests need it")
+
+
+def _cores() -> str:
+    return f"{len(os.sched_getaffinity(0))} usable"
+
+
+_PROBES: dict[str, tuple[bool, Callable[[], str]]] = {
+    "Python": (True, _python),
+    "contact-toolkit": (True, _package),
+    "engine": (True, _engine),
+    "Drake": (True, _drake),
+    "scenarios": (True, _contact),
+    "cores": (False, _cores),
+    "Chromium": (False, _browser),
+}

@@ -1,0 +1,5 @@
+"""The error of whoever asks for a scenario."""
+
+
+class ScenarioError(ValueError):
+    """A scenario or run that cannot be found, read or run, and why."""

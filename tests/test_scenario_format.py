@@ -1,0 +1,160 @@
+"""Scenario files: what loads, what is refused and how the refusal reads."""
+
+import numpy as np
+import pytest
+
+from scenarios.acceptance import judge
+from scenarios.errors import ScenarioError
+from scenarios.loading import dump, library, load
+from scenarios.scenario import Acceptance, Limit, Scenario
+
+MINIMAL = """
+fall:
+  directives:
+  - add_model: {name: ball, file: package://parts/ball.sdf}
+  parts:
+    ball: {generator: icosphere, parameters: {radius: 0.02, frequency: 3}}
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text):
+        path = tmp_path / "scenario.yaml"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+@pytest.mark.parametrize("name", library())
+def test_every_scenario_of_the_library_loads_and_is_described(name):
+    loaded, scenario = load(name)
+    assert loaded == name
+    assert scenario.description
+    assert scenario.acceptance.limits
+
+
+def test_what_is_left_out_has_its_default(write):
+    name, scenario = load(write(MINIMAL))
+    assert name == "fall"
+    assert scenario.plant_config.time_step == 0.0
+    assert scenario.simulator_config.integration_scheme == "runge_kutta3"
+    assert scenario.simulation_duration == Scenario().simulation_duration
+
+
+@pytest.mark.parametrize("name", library())
+def test_resolved_yaml_loads_to_the_same_scenario(name, write):
+    _, scenario = load(name, ["simulation_duration=0.25", "contact.k=7"])
+    again_name, again = load(write(dump(name, scenario)))
+    assert again_name == name
+    assert dump(name, again) == dump(name, scenario)
+    assert again.contact.k == 7.0
+    assert again.simulation_duration == 0.25
+
+
+def test_overrides_reach_into_mappings_and_lists(write):
+    _, scenario = load(
+        write(MINIMAL),
+        [
+            "simulator_config.accuracy=1e-6",
+            "parts.ball.parameters.radius=0.03",
+            "directives.0.add_model.name=marble",
+            "visualization.camera=[1, 2, 3]",
+            "initial_position.ball.joint=[1.0]",
+        ],
+    )
+    assert scenario.simulator_config.accuracy == 1e-6
+    assert scenario.parts["ball"].parameters["radius"] == 0.03
+    assert scenario.directives[0].add_model.name == "marble"
+    np.testing.assert_array_equal(scenario.visualization.camera, [1, 2, 3])
+    np.testing.assert_array_equal(scenario.initial_position["ball"]["joint"], [1.0])
+
+
+@pytest.mark.parametrize(
+    ("addition", "complaint"),
+    [
+        ("duration: 3", r"scenario.yaml: fall: unknown key duration"),
+        ("contact: {stiffness: 3}", "unknown key contact.stiffness"),
+        ("simulator_config: {acuracy: 1e-3}", "unknown key simulator_config.acuracy"),
+        ("acceptance: {limits: {g: {about: 1}}}", "unknown key acceptance.limits.g.about"),
+        ("contact:", "contact is empty"),
+        ("simulation_duration: long", "'long'"),
+        ("simulation_duration: -1", "simulation_duration must be positive, not -1"),
+        ("simulation_duration: .nan", "simulation_duration must be positive, not nan"),
+        ("record_period: 0", "record_period must be positive"),
+        ("visualization: {frame_rate: 0}", "frame_rate must be positive"),
+        ("visualization: {camera: [1, 2]}", "camera must be three coordinates"),
+        ("acceptance: {limits: {g: {near: 1}}}", "limits.g needs both near and within"),
+        ("acceptance: {limits: {g: {}}}", "limits.g bounds nothing"),
+        ("contact: [", "not readable as YAML"),
+    ],
+)
+def test_bad_values_are_named_with_their_place(write, addition, complaint):
+    with pytest.raises(ScenarioError, match=complaint):
+        load(write(f"{MINIMAL}  {addition}\n"))
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "expected a mapping of names to scenarios"),
+        ("- a", "expected a mapping of names to scenarios"),
+        ("fall: 3", "expected the keys of a scenario, found 3"),
+        ("fall: {}", "directives are empty"),
+        ("a: {}\nb: {}", "holds a, b; say which"),
+        (MINIMAL.replace("icosphere,", "icosphere, density: -1,"), "parts.ball.density"),
+        (MINIMAL.replace("icosphere,", "icosphere, rgba: [2, 0, 0, 1],"), "parts.ball.rgba"),
+    ],
+)
+def test_bad_files_are_refused(write, text, complaint):
+    with pytest.raises(ScenarioError, match=complaint):
+        load(write(text))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "complaint"),
+    [
+        ("rock_and_roll", "no scenario is called 'rock_and_roll'; there are: .*rock_n_stack"),
+        ("/nowhere/it.yaml", "/nowhere/it.yaml: no such file"),
+    ],
+)
+def test_missing_scenarios_are_named(wanted, complaint):
+    with pytest.raises(ScenarioError, match=complaint):
+        load(wanted)
+
+
+def test_one_of_several_scenarios_in_a_file_can_be_chosen(write):
+    path = write(MINIMAL + MINIMAL.replace("fall:", "drop:"))
+    assert load(f"{path}:drop")[0] == "drop"
+    with pytest.raises(ScenarioError, match="no scenario 'fly', only fall, drop"):
+        load(f"{path}:fly")
+
+
+@pytest.mark.parametrize("override", ["simulation_duration", "=3", "directives.7.x=1", "a.b=["])
+def test_bad_overrides_are_quoted(write, override):
+    with pytest.raises(ScenarioError):
+        load(write(MINIMAL), [override])
+
+
+@pytest.mark.parametrize(
+    ("limit", "holding", "failing"),
+    [
+        (Limit(near=1.0, within=0.01), 1.0099, 1.0101),
+        (Limit(at_least=3), 3, 2.9),
+        (Limit(at_most=0.05), 0.05, 0.051),
+        (Limit(at_least=0.0, at_most=1.0), 0.5, float("nan")),
+    ],
+)
+def test_limits_hold_up_to_their_bounds(limit, holding, failing):
+    assert limit.holds(holding)
+    assert not limit.holds(failing)
+
+
+def test_verdicts():
+    acceptance = Acceptance(measure="m", limits={"g": Limit(at_most=1.0)})
+    assert judge(acceptance, {"g": 0.5})[0] == "passed"
+    assert judge(acceptance, {"g": 1.5})[0] == "failed"
+    assert judge(Acceptance(), {"g": 1.5})[0] == "not judged"
+    with pytest.raises(ScenarioError, match="no figure is called g; 'm' gives h"):
+        judge(acceptance, {"h": 0.5})
