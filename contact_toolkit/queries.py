@@ -18,9 +18,6 @@ VERTEX, EDGE, FACET, PIECE = 0, 1, 2, 3
 """Kinds of feature; a feature is (kind, index) into the mesh's vertices, edges or faces, or into
 the pieces of a `ConvexPieces`."""
 
-_MAX_COORDINATE = 1e15  # [m] as for mesh coordinates
-_POSE_TOLERANCE = 1e-6  # [-] on the orthonormality of a rotation: catches scales and shears
-
 
 @dataclass(frozen=True)
 class ClosestPair:
@@ -197,18 +194,5 @@ def as_pose(X: ArrayLike, name: str = "X_AB") -> NDArray[np.float64]:
     pose = np.ascontiguousarray(X, dtype=np.float64)
     if pose.shape != (4, 4):
         raise ValueError(f"{name} must be a (4, 4) homogeneous matrix, not of shape {pose.shape}")
-    if not np.isfinite(pose).all():
-        raise ValueError(f"{name} has an entry that is not finite")
-    if abs(pose[:3, 3]).max() > _MAX_COORDINATE:
-        raise ValueError(f"{name} has a translation of {pose[:3, 3]} m, beyond the limit of 1e15 m")
-    R = pose[:3, :3]
-    if (
-        abs(R @ R.T - np.eye(3)).max() > _POSE_TOLERANCE
-        or np.linalg.det(R) < 0
-        or (pose[3] != (0, 0, 0, 1)).any()
-    ):
-        raise ValueError(
-            f"{name} is not a rigid transform: its upper left block must be a rotation and its "
-            f"last row 0 0 0 1; found\n{pose}"
-        )
+    _core.check_pose(pose, name)
     return pose

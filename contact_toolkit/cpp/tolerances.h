@@ -10,6 +10,10 @@ inline constexpr double kMaxCoordinate = 1e15;
 // [m] Meshes smaller than this are refused for the same reason at the other end.
 inline constexpr double kMinExtent = 1e-15;
 
+// [-] On the orthonormality of a rotation given from outside: catches scales and shears, and lets
+// through what has been rounded to single precision.
+inline constexpr double kPoseTolerance = 1e-6;
+
 // [-] Slack of the single-precision culling tests, as a share of the coordinates' size: a dozen
 // roundings of 6e-8 each. Too small and pairs are missed.
 inline constexpr double kCullingSlack = 2e-6;
