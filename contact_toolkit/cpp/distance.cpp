@@ -83,9 +83,8 @@ class Search {
       }
     }
     if (bits == 0) return;
-    bits =
-        pair_.kernels.cull_by_planes(pair_.A.bvh().blocks[a.block], pair_.B.bvh().blocks[b.block],
-                                     pair_.cull, static_cast<float>(std::sqrt(best_)), bits);
+    bits = pair_.kernels.cull_by_axes(pair_.A.bvh().blocks[a.block], pair_.B.bvh().blocks[b.block],
+                                      pair_.cull, static_cast<float>(std::sqrt(best_)), bits);
     chunk_.count = 0;
     for (; bits != 0; bits &= bits - 1) {
       const int bit = __builtin_ctzll(bits);

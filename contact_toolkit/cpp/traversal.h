@@ -31,8 +31,8 @@ class Traversal {
     std::uint64_t bits = pair_.kernels.box_pairs(a, b, pair_.cull, reach_);
     if (bits == 0) return;
     if (a.bottom() && b.bottom()) {
-      bits = pair_.kernels.cull_by_planes(A.blocks[a.block], B.blocks[b.block], pair_.cull, reach_,
-                                          bits);
+      bits = pair_.kernels.cull_by_axes(A.blocks[a.block], B.blocks[b.block], pair_.cull, reach_,
+                                        bits);
       for (; bits != 0; bits &= bits - 1) {
         const int bit = __builtin_ctzll(bits);
         Add(a.child[bit & 7], b.child[bit >> 3]);

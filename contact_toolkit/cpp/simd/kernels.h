@@ -61,9 +61,10 @@ struct Kernels {
   // The same test, leaving lower bounds of the squared distances in bound[8 j + k].
   void (*box_bounds)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float bound[64]);
 
-  // Clears the bits of facet pairs that lie apart by more than reach along a facet's normal.
-  std::uint64_t (*cull_by_planes)(const FacetBlock& a, const FacetBlock& b, const CullPose& X_AB,
-                                  float reach, std::uint64_t pairs);
+  // Clears the bits of facet pairs that lie apart by more than reach along a facet's normal, or
+  // along about the line of their closest points.
+  std::uint64_t (*cull_by_axes)(const FacetBlock& a, const FacetBlock& b, const CullPose& X_AB,
+                                float reach, std::uint64_t pairs);
 
   // Least distances of all pairs in the chunk. a, b: Bvh::slot_coordinates; X_AB: row-major
   // rotation (9) and translation (3). `careful` never leaves kNeedsCare.

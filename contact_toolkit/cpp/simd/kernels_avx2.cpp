@@ -5,7 +5,7 @@
 namespace contact_toolkit {
 
 const Kernels& Avx2Kernels() {
-  static constexpr Kernels kernels{"avx2", 4, BoxPairs, BoxBounds, CullByPlanes, FacetDistances<4>};
+  static constexpr Kernels kernels{"avx2", 4, BoxPairs, BoxBounds, CullByAxes, FacetDistances<4>};
   return kernels;
 }
 

@@ -5,8 +5,7 @@
 namespace contact_toolkit {
 
 const Kernels& Avx512Kernels() {
-  static constexpr Kernels kernels{"avx512",         8, BoxPairs, BoxBounds, CullByPlanes,
-                                   FacetDistances<8>};
+  static constexpr Kernels kernels{"avx512", 8, BoxPairs, BoxBounds, CullByAxes, FacetDistances<8>};
   return kernels;
 }
 

@@ -9,8 +9,7 @@ void ThinFacetDistances(const double* a, const double* b, const double* X_AB, Fa
 }
 
 const Kernels& ScalarKernels() {
-  static constexpr Kernels kernels{"scalar",         1, BoxPairs, BoxBounds, CullByPlanes,
-                                   FacetDistances<1>};
+  static constexpr Kernels kernels{"scalar", 1, BoxPairs, BoxBounds, CullByAxes, FacetDistances<1>};
   return kernels;
 }
 

@@ -60,6 +60,14 @@ CT_INLINE V Absolute(V a) {
   return Select(a < V{}, -a, a);
 }
 CT_INLINE double SquareRoot(double a) { return __builtin_sqrt(a); }
+CT_INLINE Float8 SquareRoot(Float8 a) {
+#if defined(__AVX__)
+  return __builtin_ia32_sqrtps256(a);
+#else
+  for (int k = 0; k < 8; ++k) a[k] = __builtin_sqrtf(a[k]);
+  return a;
+#endif
+}
 CT_INLINE long double SquareRoot(long double a) { return __builtin_sqrtl(a); }
 template <class V>
 CT_INLINE V SquareRoot(V a) {
