@@ -89,7 +89,7 @@ CT_INLINE Mask8 MayBeNear(const Triangle8& a, const Triangle8& b, float limit) {
     Point8 p, q;
     const Float8 gap = Support<false>(a, v, &p) - Support<true>(b, v, &q);
     const Float8 vv = v.x * v.x + v.y * v.y + v.z * v.z;
-    near = near & (gap <= Fill8(limit) * SquareRoot(vv));
+    near = near & ~(gap > Fill8(limit) * SquareRoot(vv));  // where that is inf · 0, keep
     if (step == kAxisSteps) return near;
     const Point8 w{p.x - q.x - v.x, p.y - q.y - v.y, p.z - q.z - v.z};
     const Float8 ww = w.x * w.x + w.y * w.y + w.z * w.z;

@@ -13,11 +13,6 @@ CT_INLINE Float8 Row(const float (&row)[3], const V& v) {
   return row[0] * v[0] + row[1] * v[1] + row[2] * v[2];
 }
 
-CT_INLINE Float8 SquareRoot(Float8 x) {
-  for (int k = 0; k < 8; ++k) x[k] = __builtin_sqrtf(x[k]);
-  return x;
-}
-
 // How far points of B stray from the straight line between their two ends in the slice.
 CT_INLINE Float8 Bow(const SweptCull& cull, const Float8 (&c)[3]) {
   const Float8 q[3]{c[0] + cull.from_Bo[0], c[1] + cull.from_Bo[1], c[2] + cull.from_Bo[2]};
