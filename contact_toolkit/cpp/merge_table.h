@@ -1,4 +1,5 @@
-// A hash table from feature pairs to rows, emptied between queries without being freed.
+// A hash table from feature pairs to rows, emptied between queries at no cost: a small query
+// after a large one must not pay for its table.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +11,32 @@ namespace contact_toolkit {
 class MergeTable {
  public:
   void Clear() {
-    if (used_ > 0) entries_.assign(entries_.size(), Entry{});
     used_ = 0;
+    if (++query_ == 0) entries_.assign(entries_.size(), Entry{}), query_ = 1;
   }
 
   // The row kept under a key, -1 when there is none yet; valid until the next call.
   std::int32_t* Find(std::uint64_t key) {
     if (2 * (used_ + 1) > entries_.size()) Grow();
     Entry* entry = Slot(key);
-    if (entry->key != key) {
-      entry->key = key;
+    if (entry->query != query_) {
+      *entry = {key, -1, query_};
       ++used_;
     }
     return &entry->row;
   }
 
  private:
-  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
   struct Entry {
-    std::uint64_t key = kEmpty;
+    std::uint64_t key = 0;
     std::int32_t row = -1;
+    std::uint32_t query = 0;  // the one that filled it; other than the current one: empty
   };
 
   Entry* Slot(std::uint64_t key) {
     const std::size_t mask = entries_.size() - 1;
     std::size_t at = (key * 0x9e3779b97f4a7c15ull >> 32) & mask;
-    while (entries_[at].key != kEmpty && entries_[at].key != key) at = (at + 1) & mask;
+    while (entries_[at].query == query_ && entries_[at].key != key) at = (at + 1) & mask;
     return &entries_[at];
   }
 
@@ -43,12 +44,13 @@ class MergeTable {
     std::vector<Entry> old(entries_.empty() ? 1024 : 2 * entries_.size());
     std::swap(old, entries_);
     for (const Entry& entry : old) {
-      if (entry.key != kEmpty) *Slot(entry.key) = entry;
+      if (entry.query == query_) *Slot(entry.key) = entry;
     }
   }
 
   std::vector<Entry> entries_;
   std::size_t used_ = 0;
+  std::uint32_t query_ = 1;
 };
 
 }  // namespace contact_toolkit
