@@ -171,6 +171,7 @@ class _Webs:
             _choice("field", pair.field, _core.AreaField),
             pair.resolution,
             _choice("sampled", pair.sampled, _core.AreaSide),
+            pair.fillet,
         )
 
     def _mesh(self, geometry: int) -> _core.Mesh:

@@ -60,6 +60,9 @@ class ContactPair:
         Spacing of the area web's nodes as a share of the smaller bounding box's diagonal.
     sampled
         Which body carries the area web's nodes: "thinner", "a" or "b".
+    fillet
+        Radius [m] of the sharp convex edges of both bodies, by which crossing edges bear load in
+        the area web; 0: none.
     friction
         Between the two surfaces; none unless given.
     """
@@ -73,4 +76,5 @@ class ContactPair:
     field: Literal["smooth", "exact"] = "smooth"
     resolution: float = 0.02
     sampled: Literal["thinner", "a", "b"] = "thinner"
+    fillet: float = 0.0
     friction: Friction | None = None

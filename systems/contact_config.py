@@ -61,6 +61,9 @@ class ContactLawConfig:
     resolution
         Area web: spacing of the nodes, relative to the bounding box diagonal of the smaller
         geometry, 0.02 unless set.
+    fillet
+        Area web: radius [m] of the geometries' sharp edges, by which crossing edges bear load; none
+        unless set.
     friction
         See `FrictionConfig`.
     """
@@ -75,6 +78,7 @@ class ContactLawConfig:
     weighting: str | None = None
     field: str | None = None
     resolution: float | None = None
+    fillet: float | None = None
     friction: FrictionConfig = dataclasses.field(default_factory=FrictionConfig)
 
 

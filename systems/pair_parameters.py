@@ -46,7 +46,7 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
         damper,
         web=web,
         friction=_friction(a.material, b.material, law.friction),
-        **_given(law, "standoff", "weighting", "field", "resolution"),
+        **_given(law, "standoff", "weighting", "field", "resolution", "fillet"),
     )
 
 

@@ -305,3 +305,35 @@ def block_through_plate(depths: Array, **options: object) -> Array:
     web = Web(parts.box(0.04, 0.04, 0.04), parts.box(0.2, 0.2, 0.002), 1e9, **options)
     forces = [web.wrench(pose([0.003, 0.002, -0.021 + d])).force[2] for d in depths]
     return np.array(forces) / (1e9 * 0.04**2 * 1e-3)
+
+
+# --- P7: crossing edges --------------------------------------------------------------------------
+
+
+def crossed_edges_pose(depth: float, x: float, y: float) -> Array:
+    """Of box B in box A, both 0.1 m: an edge of A above an edge of B, overlapping, at x, y in B."""
+    edge_up = Rotation.from_euler("y", 45, degrees=True).as_matrix()
+    edge_down = Rotation.from_euler("x", 45, degrees=True).as_matrix()
+    return np.linalg.inv(pose([x, y, 0.1 * np.sqrt(2) - depth], edge_down)) @ pose(R=edge_up)
+
+
+def crossed_edges(web: Web, depth: float, x: float, y: float) -> Wrench:
+    return web.wrench(crossed_edges_pose(depth, x, y))
+
+
+# --- coming to rest ------------------------------------------------------------------------------
+
+
+def rocking(duration: float, window: float = 0.5) -> tuple[float, float]:
+    """How far the damped, frictionless doughnut still moves sideways; its force over m g.
+
+    Dropped askew and left for `duration`; the motion is that in the last `window` [s].
+    """
+    web = doughnut_on_cone(field="smooth")
+    X_BA = pose([0, 0, 0.1685], Rotation.from_rotvec([0.02, 0.01, 0]).as_matrix())
+    motion = fly(web, X_BA, duration=duration, alpha=2.0, tolerance=1e-6, **DOUGHNUT)
+    late = motion.time > duration - window
+    X_BA = pose(motion.p_BA[-1], Rotation.from_quat(motion.q_BA[-1]).as_matrix())
+    force = X_BA[:3, :3] @ web.wrench(np.linalg.inv(X_BA)).force
+    moved = np.ptp(motion.p_BA[late, :2], axis=0)
+    return float(np.linalg.norm(moved)), float(force[2] / (DOUGHNUT["mass"] * 9.81))

@@ -154,17 +154,48 @@ def test_p6_too_deep_is_told(field):
 def test_p7_crossed_edges_bear_load(field):
     """Two edges would pass through each other (broken: no finer nodes along edges)."""
     web = Web(parts.box(), parts.box(), 1e9, field=field)
-    edge_up = Rotation.from_euler("y", 45, degrees=True).as_matrix()
-    edge_down = Rotation.from_euler("x", 45, degrees=True).as_matrix()
-    rng = np.random.default_rng(0)
-    rounding = 2 * 0.225 * web.native.cell  # of the smooth field's edge, seen along the normal
-    for x, y in rng.uniform(-0.02, 0.02, (30, 2)):
-        forces = []
-        for depth in np.array([0.25, 0.5, 1]) * web.native.spacing + rounding:
-            p_BA = [x, y, 0.1 * np.sqrt(2) - depth]
-            X_AB = np.linalg.inv(pose(p_BA, edge_down)) @ pose(R=edge_up)
-            forces.append((edge_down @ web.wrench(X_AB).force)[2])
-        assert 0 < forces[0] < forces[1] < forces[2]
+    rounding = 2 * 0.26 * web.native.cell  # of the smooth field's edge, seen along the normal
+    for x, y in np.random.default_rng(0).uniform(-0.02, 0.02, (30, 2)):
+        depths = np.array([0.25, 0.5, 1]) * web.native.spacing + rounding
+        forces = [experiments.crossed_edges(web, depth, x, y).force for depth in depths]
+        assert np.linalg.norm(forces[0]) > 0
+        assert (np.diff(np.linalg.norm(forces, axis=1)) > 0).all()
+
+
+@pytest.mark.parametrize("divisions", [1, 3])
+def test_p7_fillets_meet_the_closed_form(divisions):
+    """A fillet would bear a wrong load, or none on an edge cut in pieces (broken: none joined)."""
+    r, K = 2e-3, 1e9
+    web = Web(parts.box(divisions=divisions), parts.box(), K, resolution=0.005, fillet=r)
+    for depth in np.array([0.1, 0.25, 0.5, 1.0]) * r:
+        force = np.linalg.norm(experiments.crossed_edges(web, depth, 0.003, 0.002).force)
+        assert force == pytest.approx(np.pi * K * r * depth**2 + 0.471 * K * depth**3, rel=0.01)
+    deep = [experiments.crossed_edges(web, d * r, 0.003, 0.002).force for d in range(1, 9)]
+    assert (np.diff(np.linalg.norm(deep, axis=1)) > 0).all()
+
+
+@pytest.mark.parametrize("n", [1.0, 1.5])
+def test_p7_fillets_are_conservative(n):
+    """Crossing edges would create energy (broken: the windows' slopes left out)."""
+    web = Web(parts.box(), parts.box(), 1e9, n=n, fillet=4e-3)
+    fading = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        tilt = Rotation.from_rotvec(rng.normal(size=3) * 0.2).as_matrix()
+        x, y = rng.uniform(-0.048, 0.048, 2)
+        X_AB = experiments.crossed_edges_pose(rng.uniform(0.005, 0.015), x, y) @ pose(R=tilt)
+        of_fillets = web.find(X_AB)["key"] >> np.uint64(63) == 1
+        if of_fillets.sum() > 1:  # a force and a couple: some window is fading
+            fading += 1
+            assert experiments.gradient_error(web, X_AB) < 1e-6
+    assert fading >= 5
+
+
+def test_flat_faces_meet_without_fillets():
+    """Fillets would push where edges do not cross (broken: no normal cones)."""
+    X_AB = pose([0.02, 0.03, -0.1 + 1e-4], Rotation.from_rotvec([0, 0, 0.4]).as_matrix())
+    with_, without = (Web(parts.box(), parts.box(), 1e9, fillet=f).wrench(X_AB) for f in (2e-3, 0))
+    assert (with_.force == without.force).all()
 
 
 @pytest.mark.parametrize("field", FIELDS)
@@ -260,6 +291,7 @@ def test_errors_name_the_mend():
         (box, box, {"stiffness": np.nan}, "stiffness must be positive"),
         (box, box, {"n": 0.5}, "exponent n must be"),
         (box, box, {"standoff": -1e-3}, "standoff must not be negative"),
+        (box, box, {"fillet": -1e-3}, "fillet must not be negative"),
         (box, box, {"resolution": 0.0}, "resolution must be"),
         (box, sheet, {}, "open surface.*give the pair a standoff"),
         (box, inside_out, {"sampled": "a"}, "inside out; reverse"),

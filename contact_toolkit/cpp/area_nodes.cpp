@@ -5,17 +5,17 @@
 #include <unordered_map>
 
 #include "point_distance.h"
+#include "sharp_edges.h"
 #include "tolerances.h"
 #include "vertex_hash.h"
 
 namespace contact_toolkit {
 namespace {
 
-constexpr double kFinest = 0.25;   // spacing on sharp edges, as a share of the spacing elsewhere
-constexpr double kGradedOver = 2;  // spacings over which it grows back
-constexpr double kSharpCosine = 0.866;  // of 30°
-constexpr int kPatchTriangles = 400;    // aimed at
-constexpr double kPatchSpacings = 16;   // the longest edge of a patch's roots
+constexpr double kFinest = 0.25;      // spacing on sharp edges, as a share of the spacing elsewhere
+constexpr double kGradedOver = 2;     // spacings over which it grows back
+constexpr int kPatchTriangles = 400;  // aimed at
+constexpr double kPatchSpacings = 16;  // the longest edge of a patch's roots
 constexpr int kLeafTriangles = 16;
 
 Sphere SphereAround(const Vec3* points, std::size_t count) {
@@ -40,23 +40,15 @@ double AreaOf(const std::array<Vec3, 3>& t) { return 0.5 * Norm(Cross(t[1] - t[0
 
 AreaNodes::AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing)
     : mesh_(std::move(mesh)), spacing_(spacing) {
-  FindSharpEdges();
+  BuildSharpEdges();
   BuildPatches();
 }
 
-void AreaNodes::FindSharpEdges() {
+void AreaNodes::BuildSharpEdges() {
   std::vector<CollisionMesh::Triple> segments;
-  for (std::size_t e = 0; e < mesh_->edges().size(); ++e) {
-    const auto [f, g] = mesh_->edge_faces()[e];
-    if (g < 0) continue;
-    const auto [a, b] = mesh_->edges()[e];
-    const Vec3 &n = mesh_->face_normals()[f], &m = mesh_->face_normals()[g];
-    double height = 0;  // of the other facet over the first: below it where the edge is convex
-    for (const std::int32_t v : mesh_->faces()[g]) {
-      const double h = Dot(mesh_->vertices()[v] - mesh_->vertices()[a], n);
-      if (std::abs(h) > std::abs(height)) height = h;
-    }
-    if (Dot(n, m) < kSharpCosine && height < 0) segments.push_back({a, b, b});
+  for (const std::int32_t edge : FindSharpEdges(*mesh_)) {
+    const auto [a, b] = mesh_->edges()[edge];
+    segments.push_back({a, b, b});
   }
   if (!segments.empty()) {
     sharp_edges_ = std::make_unique<Bvh>(BuildBvh(mesh_->vertices(), segments));

@@ -50,7 +50,7 @@ class AreaNodes {
  private:
   using Corners = std::array<Vec3, 3>;
 
-  void FindSharpEdges();
+  void BuildSharpEdges();
   void BuildPatches();
   double SpacingAt(const Vec3& p) const;
   bool Splits(const Vec3& a, const Vec3& b) const;

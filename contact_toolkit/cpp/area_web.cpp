@@ -219,6 +219,7 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
   Require(finite_positive(options.stiffness), "stiffness must be positive and finite");
   Require(options.exponent >= 1 && options.exponent <= 3, "exponent n must be between 1 and 3");
   Require(options.standoff >= 0 && options.standoff < HUGE_VAL, "standoff must not be negative");
+  Require(options.fillet >= 0 && options.fillet < HUGE_VAL, "fillet must not be negative");
   Require(options.resolution >= 1e-4 && options.resolution <= 1,
           "resolution must be between 1e-4 and 1");
   const AreaBody& sampled = samples_a_ ? *A : *B;
@@ -230,6 +231,10 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
       "the pair a standoff, or close the mesh");
   Require(!surface_->closed() || probed.mesh().volume() > 0,
           "the probed body is wound inside out; reverse its facets");
+  if (options.fillet > 0) {
+    fillets_ = std::make_unique<const EdgeFillets>(A->mesh(), B->mesh(), options.stiffness,
+                                                   options.exponent, options.fillet);
+  }
   spacing_ = options.resolution * std::min(A->mesh().diagonal(), B->mesh().diagonal());
   nodes_ = sampled.nodes(spacing_);
   bounds_ = probed.bounds(0.5 * spacing_);
@@ -254,6 +259,7 @@ void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   } else {
     Finder<ExactProbe>(*this, ExactProbe(*surface_), X_AB, springs).Run();
   }
+  if (fillets_) fillets_->AddSprings(X_AB, springs);
 }
 
 }  // namespace contact_toolkit

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "area_body.h"
+#include "edge_fillets.h"
 #include "spring_web.h"
 
 namespace contact_toolkit {
@@ -27,6 +28,7 @@ struct AreaWebOptions {
   AreaField field = AreaField::kSmooth;
   double resolution = 0.02;  // node spacing, as a share of the smaller bounding box's diagonal
   AreaSide sampled = AreaSide::kThinner;
+  double fillet = 0;  // [m] radius of the bodies' sharp edges, see EdgeFillets; 0: none
 };
 
 class AreaWeb final : public SpringWeb {
@@ -59,7 +61,8 @@ class AreaWeb final : public SpringWeb {
   std::shared_ptr<const ProbedSurface> surface_;
   std::shared_ptr<const AreaNodes> nodes_;
   std::shared_ptr<const DistanceBounds> bounds_;
-  std::shared_ptr<const SmoothField> smooth_;  // null with the exact field
+  std::shared_ptr<const SmoothField> smooth_;   // null with the exact field
+  std::unique_ptr<const EdgeFillets> fillets_;  // null without
 };
 
 }  // namespace contact_toolkit

@@ -31,7 +31,8 @@ class SphereTree {
     Descend(static_cast<int>(levels_.size()) - 1, 0, enter, visit);
   }
 
-  const std::vector<Sphere>& leaves() const { return levels_[0]; }
+  // Around all of them; there must be some.
+  const Sphere& root() const { return levels_.back()[0]; }
 
  private:
   static constexpr std::size_t kWidth = 8;

@@ -49,13 +49,14 @@ void BindArea(nb::module_& m) {
           "__init__",
           [](AreaWeb* self, std::shared_ptr<AreaBody> A, std::shared_ptr<AreaBody> B,
              double stiffness, double n, double standoff, AreaField field, double resolution,
-             AreaSide sampled) {
+             AreaSide sampled, double fillet) {
             const nb::gil_scoped_release release;
-            new (self) AreaWeb(A, B, {stiffness, n, standoff, field, resolution, sampled});
+            new (self) AreaWeb(A, B, {stiffness, n, standoff, field, resolution, sampled, fillet});
           },
           nb::arg("A"), nb::arg("B"), nb::arg("stiffness"), nb::arg("n") = 1.0,
           nb::arg("standoff") = 0.0, nb::arg("field") = AreaField::kSmooth,
-          nb::arg("resolution") = 0.02, nb::arg("sampled") = AreaSide::kThinner)
+          nb::arg("resolution") = 0.02, nb::arg("sampled") = AreaSide::kThinner,
+          nb::arg("fillet") = 0.0)
       .def("find", &Find, nb::arg("X_AB").noconvert())
       .def_prop_ro("samples_a", &AreaWeb::samples_a)
       .def_prop_ro("spacing", &AreaWeb::spacing)

@@ -1,0 +1,24 @@
+// The sharp convex edges of a mesh, each straight run as one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesh.h"
+#include "vec.h"
+
+namespace contact_toolkit {
+
+// Indices into mesh.edges() of the convex edges with more than 30° between their facets' normals.
+std::vector<std::int32_t> FindSharpEdges(const CollisionMesh& mesh);
+
+struct StraightEdge {
+  std::array<Vec3, 2> ends;
+  std::array<Vec3, 2> into;  // unit, in each facet, square to the edge, away from it
+};
+
+// Sharp edges with collinear neighbours between the same planes joined.
+std::vector<StraightEdge> JoinSharpEdges(const CollisionMesh& mesh);
+
+}  // namespace contact_toolkit
