@@ -222,6 +222,23 @@ def test_reading_an_accepted_step_again_costs_no_search():
     assert model.find(X_FB, table) is not forces.found
 
 
+def test_remembering_the_last_step_changes_no_bit():
+    doughnut, cone = CollisionMesh(*mesh_shapes.doughnut()), CollisionMesh(*mesh_shapes.cone())
+    model = scenes.facet_model(doughnut, cone, NonlinearDamper(1e4), standoff=0.006)
+    rng = np.random.default_rng(2)
+    p, table = np.array([0.002, 0.001, 0.177]), model.initial_table()
+    for i, stride in enumerate(np.geomspace(1e-6, 1e-2, 40)):
+        forces = model.evaluate(scenes.poses(p), scenes.velocities(), table)
+        table = model.advance(table, 1e-3 * i, forces)
+        for reach in (0.3, 1.0, 10.0):
+            X_FB = scenes.poses(p + reach * stride * rng.normal(size=3))
+            warm = model.evaluate(X_FB, scenes.velocities(), table)
+            cold = model.evaluate(X_FB, scenes.velocities())
+            assert warm.body_wrenches.tobytes() == cold.body_wrenches.tobytes()
+            assert warm.contacts.key.tobytes() == cold.contacts.key.tobytes()
+        p += stride * rng.normal(size=3)
+
+
 def test_taking_a_step_twice_changes_nothing():
     model, X_FB, V_FB = crowd()
     table = model.advance(model.initial_table(), 0.5, model.evaluate(X_FB, V_FB))

@@ -18,13 +18,6 @@ bool SameBits(std::span<const T> a, std::span<const T> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 
-// The anchors of a pair in a table, or none.
-std::shared_ptr<const AnchorSet> AnchorsOf(int pair, const StepTable* table) {
-  if (!table) return nullptr;
-  const auto it = std::ranges::lower_bound(table->anchors, pair, {}, &PairAnchors::pair);
-  return it != table->anchors.end() && it->pair == pair ? it->anchors : nullptr;
-}
-
 std::uint64_t NextTableId() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -69,7 +62,12 @@ std::shared_ptr<const Found> ContactModel::Find(std::span<const Pose> X_FB,
     entry.pair = near[i];
     entry.X_FA = X_FB[a.body] * a.X_BG;
     entry.X_AB = PoseOf(pair, X_FB);
-    pair.web->FindSprings(entry.X_AB, &entry.springs);
+    const auto memory = table ? table->StateOf(near[i]).memory : nullptr;
+    if (memory) {
+      pair.web->RecallSprings(*memory, entry.X_AB, &entry.springs);
+    } else {
+      pair.web->FindSprings(entry.X_AB, &entry.springs);
+    }
   });
   found->size = 0;
   found->num_springs = 0;
@@ -107,7 +105,8 @@ std::shared_ptr<const Forces> ContactModel::ComputeForces(std::shared_ptr<const 
     const std::span stretches = forces->StretchesOf(i);
     if (pair.friction.anchored()) {
       const Pose last_X_AB = last_X_FB ? PoseOf(pair, *last_X_FB) : Pose{};
-      FindStretches(*pair.web, loaded.springs, loaded.X_AB, AnchorsOf(loaded.pair, table).get(),
+      const auto anchors = table ? table->StateOf(loaded.pair).anchors : nullptr;
+      FindStretches(*pair.web, loaded.springs, loaded.X_AB, anchors.get(),
                     last_X_FB ? &last_X_AB : nullptr, stretches);
     }
     totals[i] =
@@ -167,14 +166,19 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
                           half_step * (before.tangential_power + after.tangential_power) -
                           (after.stored_tangential - before.stored_tangential);
   }
-  for (std::size_t i = 0; i < forces->found->size; ++i) {
+  next->pairs.resize(forces->found->size);
+  ParallelFor(static_cast<int>(forces->found->size), threads_, [&](int i, int) {
     const PairSprings& loaded = forces->found->loaded[i];
-    const Friction& friction = pairs_[loaded.pair].friction;
-    if (!friction.anchored() || loaded.springs.size() == 0) continue;
-    next->anchors.push_back(
-        {loaded.pair, UpdateAnchors(friction, loaded.springs, loaded.X_AB, forces->StretchesOf(i),
-                                    forces->SpringsOf(i), AnchorsOf(loaded.pair, table.get()))});
-  }
+    const ContactPair& pair = pairs_[loaded.pair];
+    PairState state = table->StateOf(loaded.pair);
+    if (pair.friction.anchored()) {
+      state.anchors = UpdateAnchors(pair.friction, loaded.springs, loaded.X_AB,
+                                    forces->StretchesOf(i), forces->SpringsOf(i), state.anchors);
+    }
+    const Pose last_X_AB = last ? PoseOf(pair, last->found->X_FB) : loaded.X_AB;
+    state.memory = pair.web->Remember(last_X_AB, loaded.X_AB, state.memory);
+    next->pairs[i] = std::move(state);
+  });
   next->forces = std::move(forces);
   return next;
 }

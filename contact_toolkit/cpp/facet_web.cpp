@@ -3,7 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "witness.h"
+#include "tolerances.h"
+#include "witness_cache.h"
 
 namespace contact_toolkit {
 namespace {
@@ -33,6 +34,21 @@ std::array<std::int32_t, 3> VerticesOfFeature(const CollisionMesh& mesh, const F
   return mesh.faces()[feature.index];
 }
 
+struct Candidates final : WebMemory {
+  Candidates(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB, double standoff,
+             double slack)
+      : pairs(A, B, X_AB, standoff, slack) {}
+  WitnessCandidates pairs;
+};
+
+// [m] No point of B moves farther between two poses.
+double Motion(const CollisionMesh& B, const Pose& before, const Pose& after) {
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) squared += SquaredNorm(after.R.row[i] - before.R.row[i]);
+  const Vec3 center = 0.5 * (B.lower() + B.upper());
+  return Norm(after * center - before * center) + std::sqrt(0.5 * squared) * 0.5 * B.diagonal();
+}
+
 }  // namespace
 
 FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
@@ -47,6 +63,29 @@ FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const
 void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   thread_local WitnessPairs pairs;
   FindWitnessPairs(*A_, *B_, X_AB, standoff_, {}, &pairs);
+  Load(pairs, springs);
+}
+
+void FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
+  const auto& candidates = static_cast<const Candidates&>(memory).pairs;
+  if (!candidates.Covers(X_AB, standoff_)) return FindSprings(X_AB, springs);
+  thread_local WitnessPairs pairs;
+  candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs);
+  Load(pairs, springs);
+}
+
+std::shared_ptr<const WebMemory> FacetWeb::Remember(const Pose& last_X_AB, const Pose& X_AB,
+                                                    std::shared_ptr<const WebMemory> before) const {
+  const double motion = Motion(*B_, last_X_AB, X_AB);
+  const double slack = kCandidateSlack * standoff_;
+  const auto* candidates = static_cast<const Candidates*>(before.get());
+  if (candidates && candidates->pairs.Covers(X_AB, standoff_ + motion)) return before;
+  // Gathering must serve at least one more step such as the last.
+  if (2 * motion > slack) return nullptr;
+  return std::make_shared<Candidates>(*A_, *B_, X_AB, standoff_, slack);
+}
+
+void FacetWeb::Load(const WitnessPairs& pairs, SpringSet* springs) const {
   springs->clear();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double deformation = standoff_ - pairs.distance[i];

@@ -6,6 +6,7 @@
 
 #include "mesh.h"
 #include "spring_web.h"
+#include "witness.h"
 
 namespace contact_toolkit {
 
@@ -23,11 +24,17 @@ class FacetWeb final : public SpringWeb {
            double n, double standoff, Weighting weighting);
 
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
+  void RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
+  std::shared_ptr<const WebMemory> Remember(const Pose& last_X_AB, const Pose& X_AB,
+                                            std::shared_ptr<const WebMemory> before) const override;
   double reach() const override { return standoff_; }
   bool CarriesStretch() const override { return true; }
   FeatureVertices VerticesOf(std::uint64_t key) const override;
 
  private:
+  // The springs of witness pairs.
+  void Load(const WitnessPairs& pairs, SpringSet* springs) const;
+
   std::shared_ptr<const CollisionMesh> A_, B_;
   double k_, n_, standoff_;
   Weighting weighting_;

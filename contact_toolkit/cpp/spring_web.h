@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <memory>
 
 #include "spring_set.h"
 #include "vec.h"
@@ -16,12 +16,31 @@ struct FeatureVertices {
   std::array<std::int32_t, 3> of_a{-1, -1, -1}, of_b{-1, -1, -1};
 };
 
+// What a web keeps of one search to make those at nearby poses cheaper. It never changes an answer.
+class WebMemory {
+ public:
+  virtual ~WebMemory() = default;
+};
+
 class SpringWeb {
  public:
   virtual ~SpringWeb() = default;
 
   // Replaces what `springs` held; rows in an order fixed by the geometries and the pose.
   virtual void FindSprings(const Pose& X_AB, SpringSet* springs) const = 0;
+
+  // The same, to the bit, with the help of what Remember() returned at an earlier pose.
+  virtual void RecallSprings(const WebMemory& /*memory*/, const Pose& X_AB,
+                             SpringSet* springs) const {
+    FindSprings(X_AB, springs);
+  }
+
+  // What to remember after a step from one pose to another: `before`, anew, or nothing (null).
+  virtual std::shared_ptr<const WebMemory> Remember(
+      const Pose& /*last_X_AB*/, const Pose& /*X_AB*/,
+      std::shared_ptr<const WebMemory> /*before*/) const {
+    return nullptr;
+  }
 
   // [m] No spring is loaded while the bounding boxes of the two geometries are farther apart.
   virtual double reach() const = 0;

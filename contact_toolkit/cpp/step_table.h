@@ -8,12 +8,15 @@
 
 #include "anchors.h"
 #include "forces.h"
+#include "spring_web.h"
 
 namespace contact_toolkit {
 
-struct PairAnchors {
+// Of a pair that was in contact at the last accepted step; either may be null.
+struct PairState {
   int pair;
   std::shared_ptr<const AnchorSet> anchors;
+  std::shared_ptr<const WebMemory> memory;
 };
 
 struct StepTable : std::enable_shared_from_this<StepTable> {
@@ -21,9 +24,12 @@ struct StepTable : std::enable_shared_from_this<StepTable> {
   // Of the last accepted step; before the first, the time is −infinity and the rest empty.
   double time = -std::numeric_limits<double>::infinity();
   std::shared_ptr<const Forces> forces;
-  std::vector<PairAnchors> anchors;  // of the pairs with anchored friction in contact, ascending
+  std::vector<PairState> pairs;  // ascending
   // [J] Lost since the first step.
   double damping_loss = 0, friction_loss = 0;
+
+  // What is kept of a pair; null pointers if nothing.
+  PairState StateOf(int pair) const;
 };
 
 }  // namespace contact_toolkit

@@ -68,6 +68,10 @@ inline constexpr double kWideTurn = 0.6;
 // [-] No slice is shorter than this share of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 
+// [-] Share of the standoff by which candidates for the facet web are gathered from farther away: a
+// larger one lasts longer and costs more.
+inline constexpr double kCandidateSlack = 0.25;
+
 // [-] Slack of the boxes' overlap test between bodies, as a share of their coordinates: some fifty
 // roundings. Without it a pair far from the origin could be lost by a rounding.
 inline constexpr double kBoxSlack = 1e-14;
