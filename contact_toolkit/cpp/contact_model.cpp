@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "anchor_update.h"
 #include "broad_phase.h"
+#include "hermite_motion.h"
 #include "parallel.h"
+#include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
@@ -139,6 +142,31 @@ void ContactModel::AddWrenches(const PairSprings& loaded, const PairForce& total
   forces->energetics += total.energetics;
 }
 
+Energetics ContactModel::Lost(const StepTable& table, const Forces& end, double duration) const {
+  const Forces& start = *table.forces;
+  Energetics sum = start.energetics;
+  sum += end.energetics;
+  const double lost = 0.5 * duration * (sum.damping_power + std::abs(sum.tangential_power));
+  const double stored = sum.stored_normal + sum.stored_tangential;
+  if (lost <= kLedgerTolerance * (stored + table.damping_loss + table.friction_loss)) {
+    sum *= 0.5 * duration;
+    return sum;
+  }
+  std::vector<Pose> X_FB(num_bodies_);
+  std::vector<Twist> V_FB(num_bodies_);
+  for (int i = 0; i < num_bodies_; ++i) {
+    const Motion halfway =
+        Halfway({start.found->X_FB[i], start.V_FB[i]}, {end.found->X_FB[i], end.V_FB[i]}, duration);
+    X_FB[i] = halfway.X_FB;
+    V_FB[i] = halfway.V_FB;
+  }
+  Energetics halfway = ComputeForces(Find(X_FB, &table), V_FB, &table)->energetics;
+  halfway *= 4;
+  sum += halfway;
+  sum *= duration / 6;
+  return sum;
+}
+
 std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const StepTable> table,
                                                        double time,
                                                        std::shared_ptr<const Forces> forces) const {
@@ -158,13 +186,11 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
   next->id = NextTableId();
   next->time = time;
   if (last) {
-    const double half_step = 0.5 * (time - table->time);
-    const Energetics &before = last->energetics, &after = forces->energetics;
-    next->damping_loss =
-        table->damping_loss + half_step * (before.damping_power + after.damping_power);
-    next->friction_loss = table->friction_loss +
-                          half_step * (before.tangential_power + after.tangential_power) -
-                          (after.stored_tangential - before.stored_tangential);
+    const Energetics lost = Lost(*table, *forces, time - table->time);
+    next->damping_loss = table->damping_loss + lost.damping_power;
+    next->friction_loss =
+        table->friction_loss + lost.tangential_power -
+        (forces->energetics.stored_tangential - last->energetics.stored_tangential);
   }
   next->pairs.resize(forces->found->size);
   ParallelFor(static_cast<int>(forces->found->size), threads_, [&](int i, int) {

@@ -43,6 +43,9 @@ class ContactModel {
   // Motion of a pair's geometry A relative to its geometry B about A's origin, expressed in A.
   Twist MotionOf(const ContactPair& pair, std::span<const Pose> X_FB,
                  std::span<const Twist> V_FB) const;
+  // Powers integrated over the step from the table's to `end`: by Simpson's rule, which takes one
+  // more evaluation, unless too little is lost to matter.
+  Energetics Lost(const StepTable& table, const Forces& end, double duration) const;
   void AddWrenches(const PairSprings& loaded, const PairForce& force, Forces* forces) const;
 
   int num_bodies_;

@@ -29,6 +29,14 @@ struct Energetics {
     friction_power += other.friction_power;
     return *this;
   }
+  Energetics& operator*=(double factor) {
+    stored_normal *= factor;
+    stored_tangential *= factor;
+    damping_power *= factor;
+    tangential_power *= factor;
+    friction_power *= factor;
+    return *this;
+  }
 };
 
 struct SpringForce {

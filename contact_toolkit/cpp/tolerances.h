@@ -58,8 +58,8 @@ inline constexpr double kGjkGap = 4;
 inline constexpr double kFlatTetrahedron = 1e-14;
 
 // Swept queries.
-// Steps of conservative advancement for one pair in one slice; about ten are usual, some hundred where
-// edges graze. Past the limit the answer says so and stays on the safe side.
+// Steps of conservative advancement for one pair in one slice; about ten are usual, some hundred
+// where edges graze. Past the limit the answer says so and stays on the safe side.
 inline constexpr int kAdvanceSteps = 10000;
 // [-] A slice is halved when boxes travel further than this many times the largest of them.
 inline constexpr float kLongWay = 1.5f;
@@ -71,6 +71,10 @@ inline constexpr double kShortestSlice = 1e-9;
 // [-] Share of the standoff by which candidates for the facet web are gathered from farther away: a
 // larger one lasts longer and costs more.
 inline constexpr double kCandidateSlack = 0.25;
+
+// [-] A step that loses less than this share of the energy stored and lost before is summed up by
+// the trapezoidal rule, from what is known: a body at rest costs nothing more.
+inline constexpr double kLedgerTolerance = 1e-7;
 
 // [-] Slack of the boxes' overlap test between bodies, as a share of their coordinates: some fifty
 // roundings. Without it a pair far from the origin could be lost by a rounding.

@@ -1,0 +1,18 @@
+// Where a body was halfway through a step, from its poses and velocities at the ends: a cubic
+// through all four, for positions and, in the tangent space of the first pose, for rotations.
+// Errors of the fourth power of the step.
+#pragma once
+
+#include "relative_motion.h"
+#include "vec.h"
+
+namespace contact_toolkit {
+
+struct Motion {
+  Pose X_FB;
+  Twist V_FB;
+};
+
+Motion Halfway(const Motion& start, const Motion& end, double duration);
+
+}  // namespace contact_toolkit
