@@ -6,15 +6,16 @@ import os
 import shutil
 import sys
 from collections.abc import Callable
-from importlib.metadata import version
 
 import numpy as np
 from rich.table import Table
 
+from scenarios.summary import versions
+
 
 def examine() -> tuple[Table, bool]:
     """Return a table of findings, and whether all that is needed works."""
-    table = Table("", "finding", box=None, pad_edge=False)
+    table = Table(box=None, pad_edge=False, show_header=False)
     healthy = True
     for name, (needed, probe) in _PROBES.items():
         try:
@@ -31,7 +32,7 @@ def _python() -> str:
 
 
 def _package() -> str:
-    return version("contact-toolkit")
+    return versions()["contact-toolkit"]
 
 
 def _engine() -> str:
@@ -50,13 +51,13 @@ def _drake() -> str:
     from pydrake.multibody.plant import MultibodyPlant
 
     MultibodyPlant(0.0).Finalize()
-    return version("drake")
+    return versions()["drake"]
 
 
-def _contact() -> str:
-    from scenarios.loading import library
+def _library() -> str:
+    from scenarios.loading import library, load
 
-    return f"{len(library())} scenarios in the library"
+    return f"{len([load(name) for name in library()])} scenarios in the library"
 
 
 def _browser() -> str:
@@ -75,7 +76,7 @@ _PROBES: dict[str, tuple[bool, Callable[[], str]]] = {
     "contact-toolkit": (True, _package),
     "engine": (True, _engine),
     "Drake": (True, _drake),
-    "scenarios": (True, _contact),
+    "scenarios": (True, _library),
     "cores": (False, _cores),
     "Chromium": (False, _browser),
 }

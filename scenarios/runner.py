@@ -7,6 +7,7 @@ readable whatever ends the run; `summary.json` says what did.
 
 from __future__ import annotations
 
+import logging
 import signal
 import threading
 import time
@@ -52,7 +53,7 @@ def run(
     check_measure(scenario)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scenario.yaml").write_text(dump(name, scenario), encoding="utf-8")
-    meshcat = meshcat or Meshcat(MeshcatParams(host="localhost"))
+    meshcat = meshcat or _unwatched_meshcat()
     assembly = assemble(scenario, folder / "parts", meshcat)
     simulator = assembly.simulator(scenario)
     summary = Summary(name, random_seed=scenario.random_seed, versions=versions())
@@ -134,6 +135,17 @@ def _interruption() -> Iterator[threading.Event]:
         yield event
     finally:
         signal.signal(signal.SIGINT, previous)
+
+
+def _unwatched_meshcat() -> Meshcat:
+    """Return a Meshcat for recording only, which does not say where it listens."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        return Meshcat(MeshcatParams(host="localhost"))
+    finally:
+        logger.setLevel(level)
 
 
 def _judge(

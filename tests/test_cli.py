@@ -1,0 +1,128 @@
+"""The command line, as a user calls it."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from scenarios.cli import app
+from scenarios.parts import make_part, write_obj
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def call(*arguments, status=0):
+        result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+        assert result.exit_code == status, result.output
+        return result.output
+
+    return call
+
+
+DROP = """
+drop:
+  description: A cube falls
+  simulation_duration: 0.02
+  parts:
+    cube: {generator: box}
+    plate: {generator: box, parameters: {size_z: 0.01}}
+  directives:
+  - add_model: {name: plate, file: package://parts/plate.sdf}
+  - add_weld: {parent: world, child: plate::plate}
+  - add_model:
+      name: cube
+      file: package://parts/cube.sdf
+      default_free_body_pose: {cube: {translation: [0, 0, 0.0559]}}
+  contact: {web: facet, standoff: 0.001, k: 1000, friction: {static: 0}}
+  acceptance:
+    measure: stack
+    body: cube
+    window: 0.01
+    limits: {springs: {at_least: 1}}
+"""
+
+
+def test_list_names_the_library(call):
+    output = call("list")
+    for name in ("rock_n_stack", "rock_n_stack_unit", "rock_n_stack_energy"):
+        assert name in output
+
+
+def test_run_prints_the_table_the_verdict_and_the_playback(call, tmp_path):
+    (tmp_path / "drop.yaml").write_text(DROP)
+    output = call("run", "drop.yaml", "--set", "contact.alpha=0.5")
+    for figure in (
+        "height [mm]", "expected height [mm]", "g-force", "springs", "facet pairs",
+        "merged duplicates", "force evaluations", "real-time factor",
+    ):  # fmt: skip
+        assert figure in output
+    assert re.search(r"acceptance\W+passed", output)
+    assert "playback: runs/drop/playback.html" in output
+    assert "alpha: 0.5" in (tmp_path / "runs" / "drop" / "scenario.yaml").read_text()
+
+    failed = call("run", "drop.yaml", "--out", "there", "--set",
+                  "acceptance.limits={springs: {at_most: 0}}", status=1)  # fmt: skip
+    assert re.search(r"acceptance\W+failed", failed)
+    assert "there/playback.html" in failed
+
+    (tmp_path / "there" / "figures" / "springs.png").unlink()
+    reported = call("report", "there")
+    assert re.search(r"acceptance\W+failed", reported)
+    assert (tmp_path / "there" / "figures" / "springs.png").is_file()
+
+
+def test_replay_opens_the_playback_of_a_run(call, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "playback.html").touch()
+    assert str(tmp_path / "run" / "playback.html") in call("replay", "run")
+    assert opened == [(tmp_path / "run" / "playback.html").as_uri()]
+    assert "no playback.html" in call("replay", tmp_path, status=2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("run", "rock_and_roll"), "no scenario is called 'rock_and_roll'"),
+        (("run", "missing.yaml"), "missing.yaml: no such file"),
+        (("run", "rock_n_stack", "--set", "contact.k=0"), "k must"),
+        (("run", "rock_n_stack", "--set", "contact.stiffness=1"), "unknown key contact.stiffness"),
+        (("run",), "give either a scenario or --all"),
+        (("report", "nowhere"), "not a run folder"),
+        (("distance", "doughnut", "torus"), "'torus' is neither a mesh file nor one of"),
+        (("inspect", "missing.stl"), "missing.stl: no such file"),
+    ],
+)
+def test_mistakes_end_with_one_clear_line(call, arguments, complaint):
+    output = call(*arguments, status=2)
+    assert complaint in output
+    assert "Traceback" not in output
+
+
+def test_distance_between_a_file_and_a_part(call, tmp_path):
+    write_obj(tmp_path / "cube.obj", make_part("box"))
+    output = call("distance", "cube.obj", "box", "--at", "0.3", "0", "0", "--standoff", "0.2001")
+    assert re.search(r"distance \[m\]\s+0\.2\b", output)
+    assert re.search(r"facet pairs within 0\.2001 m\s+56\b", output)
+
+
+def test_inspect_tells_defects_hierarchy_and_draws(call, tmp_path):
+    vertices, faces = make_part("doughnut")
+    write_obj(tmp_path / "open.obj", (vertices, faces[1:]))
+    output = call("inspect", "open.obj", "--picture", "open.png")
+    assert re.search(r"facets\s+4095\b", output)
+    assert "3 open edges" in output
+    assert "not closed" in output
+    assert re.search(r"hierarchy: depth\s+\d", output)
+    assert (tmp_path / "open.png").stat().st_size > 10_000
+    assert re.search(r"defects\s+none", call("inspect", "nut"))
+
+
+def test_doctor_finds_this_installation_healthy(call):
+    output = call("doctor")
+    assert "engine" in output
+    assert "✗" not in output
