@@ -112,6 +112,10 @@ class ContactConfig(ContactLawConfig):
         How far facets may lie inside a curved shape, relative to its radius.
     half_space_reach
         Radius [m] about its origin within which a half space is felt.
+    max_step
+        Longest step [s] of a continuous plant, so that nothing crosses a body unseen; 0: no limit.
+    when_deep
+        "warn" (once) or "raise" when bodies penetrate farther than the web can tell.
     threads
         Native threads that share the pairs; the result does not depend on it.
     """
@@ -120,4 +124,6 @@ class ContactConfig(ContactLawConfig):
     overrides: list[PairConfig] = dataclasses.field(default_factory=list)
     tessellation_tolerance: float = 0.005
     half_space_reach: float = 100.0
+    max_step: float = 0.005
+    when_deep: str = "warn"
     threads: int = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,8 @@ _WARN_ABOVE = 0.2
 _WORSE = 1.5
 
 _STATUS = {
-    1: "is in deeper than half the thickness: the force may point the wrong way out",
-    2: "has passed through an open surface: what lies behind it is not pushed back",
+    1: "one is in deeper than half the other's thickness, and may be pushed out the wrong way",
+    2: "one has passed through the other's open surface, and is not pushed back",
 }
 
 
@@ -57,8 +57,10 @@ class ContactWatch:
         model: ContactModel,
         bodies: Sequence[BodyIndex],
         *,
-        when_deep: Literal["warn", "raise"] = "warn",
+        when_deep: str = "warn",
     ) -> None:
+        if when_deep not in ("warn", "raise"):
+            raise ValueError(f"when_deep must be warn or raise, not {when_deep!r}")
         self._when_deep = when_deep
         self._model = model
         self._time_step = plant.time_step()
@@ -102,7 +104,10 @@ class ContactWatch:
         }
         for pair, bit in sorted(seen - reported.statuses):
             a, b = (self._model.geometries[side] for side in self._sides(pair))
-            message = f"contact of {a.name} and {b.name}: one {_STATUS[bit]}"
+            message = (
+                f"contact of {a.name} and {b.name}: {_STATUS[bit]}; take shorter steps, or stiffer "
+                "contact"
+            )
             if self._when_deep == "raise":
                 raise RuntimeError(message)
             warnings.warn(message, RuntimeWarning, stacklevel=2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,9 +66,9 @@ class NonlinearDamperContact(LeafSystem):
     the object itself, so any number of contexts run independently.
 
     A discrete plant takes contact forces explicitly. Above 0.2 times the stable time step it is
-    warned of, with the number; beyond the stable step, RuntimeError. In a continuous plant contact
-    is met only where the integrator evaluates forces: give it a maximum step in which nothing
-    crosses a body.
+    warned of, with the number; beyond the stable step, RuntimeError. A continuous plant meets
+    contact only where its integrator evaluates forces, and in free flight that would soon be a
+    tenth of a second apart. So a continuous plant never steps longer than `max_step`.
 
     Parameters
     ----------
@@ -80,6 +80,9 @@ class NonlinearDamperContact(LeafSystem):
         The plant's body for each body of the model.
     lists_only
         Read and push floating bodies through the lists too: slower, and equal to round-off.
+    max_step
+        Longest step of a continuous plant [s]; nothing may cross a body in it. Zero: no limit but
+        the integrator's own.
     when_deep
         What to do when bodies penetrate farther than the web can tell: "warn", once a pair and
         context, or "raise".
@@ -92,7 +95,8 @@ class NonlinearDamperContact(LeafSystem):
         bodies: Sequence[BodyIndex],
         *,
         lists_only: bool = False,
-        when_deep: Literal["warn", "raise"] = "warn",
+        max_step: float = 0.005,
+        when_deep: str = "warn",
     ) -> None:
         super().__init__()
         self._model = model
@@ -116,6 +120,11 @@ class NonlinearDamperContact(LeafSystem):
         self._declare_cache()
         self._declare_outputs(plant.num_velocities())
         self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
+        if not max_step >= 0:
+            raise ValueError(f"max_step must be a time [s] >= 0, not {max_step}")
+        if max_step > 0 and plant.time_step() == 0:
+            # No step passes the time of an event, be it to do nothing.
+            self.DeclarePeriodicPublishEvent(max_step, 0.0, lambda context: None)  # noqa: ARG005
 
     @property
     def model(self) -> ContactModel:

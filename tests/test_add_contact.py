@@ -309,6 +309,8 @@ def test_settings_load_from_yaml():
         ),
         ({"weighting": "none"}, "weighting must be"),
         ({"threads": 0}, "threads must be"),
+        ({"max_step": -1.0}, "max_step must be a time"),
+        ({"when_deep": "sink"}, "when_deep must be warn or raise"),
         ({"friction": FrictionConfig(static=-0.1)}, "contact between world and a: static must be"),
         ({"friction": FrictionConfig(static=0.1, dynamic=0.2)}, "dynamic must be between 0 and"),
         ({"web": "area", "k": None, "skin": 0.0}, "skin must be a thickness"),
