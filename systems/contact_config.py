@@ -64,6 +64,9 @@ class ContactLawConfig:
     fillet
         Area web: radius [m] of the geometries' sharp edges, by which crossing edges bear load; none
         unless set.
+    fillet
+        Area web: radius [m] of sharp convex edges, by which crossing edges bear load; 0 (none)
+        unless set.
     friction
         See `FrictionConfig`.
     """
@@ -78,6 +81,7 @@ class ContactLawConfig:
     weighting: str | None = None
     field: str | None = None
     resolution: float | None = None
+    fillet: float | None = None
     fillet: float | None = None
     friction: FrictionConfig = dataclasses.field(default_factory=FrictionConfig)
 

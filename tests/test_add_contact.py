@@ -191,8 +191,10 @@ def test_area_web_is_the_default_and_takes_moduli_over_skins_in_series():
     assert pair.web == "area"
     assert pair.standoff == 0.0
     assert pair.damper.k == pytest.approx(1e6 / skin)  # two of 2e6 Pa in series
-    (pair,) = Boxes("a").add(web="area", standoff=None, k=None, skin=1e-3).model.pairs
+    settings = {"skin": 1e-3, "field": "exact", "resolution": 0.1, "fillet": 2e-3}
+    (pair,) = Boxes("a").add(web="area", standoff=None, k=None, **settings).model.pairs
     assert pair.damper.k == pytest.approx(1e9)
+    assert (pair.field, pair.resolution, pair.fillet) == ("exact", 0.1, 2e-3)
 
 
 def test_friction_is_combined_as_drake_does_unless_set():
