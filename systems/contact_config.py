@@ -64,9 +64,6 @@ class ContactLawConfig:
     fillet
         Area web: radius [m] of the geometries' sharp edges, by which crossing edges bear load; none
         unless set.
-    fillet
-        Area web: radius [m] of sharp convex edges, by which crossing edges bear load; 0 (none)
-        unless set.
     friction
         See `FrictionConfig`.
     """
@@ -81,7 +78,6 @@ class ContactLawConfig:
     weighting: str | None = None
     field: str | None = None
     resolution: float | None = None
-    fillet: float | None = None
     fillet: float | None = None
     friction: FrictionConfig = dataclasses.field(default_factory=FrictionConfig)
 

@@ -338,5 +338,5 @@ def leap(max_step: float) -> float:
 def test_free_fall_never_leaps_over_a_body():
     """Unlimited, the integrator passes the table's top in one step, without a single force seen."""
     assert leap(ContactConfig().max_step) > 0.015
-    with pytest.raises(RuntimeError, match="egg.* in deeper than half the other's thickness"):
+    with pytest.raises(RuntimeError, match=r"egg.* in deeper than half the other's thickness"):
         leap(0.0)
