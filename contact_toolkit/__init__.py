@@ -15,6 +15,7 @@ from contact_toolkit.cspace_classify import (
 from contact_toolkit.decomposition import DecompositionError, decompose
 from contact_toolkit.floating_bodies import FloatingBodies
 from contact_toolkit.friction import Friction
+from contact_toolkit.materials import MATERIALS, Material, find_material
 from contact_toolkit.mesh import CollisionMesh, MeshDefects, MeshError
 from contact_toolkit.queries import (
     EDGE,
@@ -48,6 +49,7 @@ from contact_toolkit.swept_batch import (
 __all__ = [
     "EDGE",
     "FACET",
+    "MATERIALS",
     "PIECE",
     "VERTEX",
     "CSpaceClass",
@@ -68,6 +70,7 @@ __all__ = [
     "Found",
     "Friction",
     "ImpactStatus",
+    "Material",
     "MeshDefects",
     "MeshError",
     "MotionClassification",
@@ -86,6 +89,7 @@ __all__ = [
     "decompose",
     "distance",
     "distance_batch",
+    "find_material",
     "intersects",
     "intersects_batch",
     "signed_distance",

@@ -45,15 +45,15 @@ class ContactLawConfig:
         geometries over their skins, in series. Facet web: spring constant [N/mⁿ]; when unset, the
         point contact stiffnesses, in series.
     skin
-        Thickness of the compliant skins [m], 1 % of the bounding box diagonal of the smaller
-        geometry unless set.
+        Thickness of the compliant skins [m]; unless set, that of a material which has one, and 1 %
+        of the bounding box diagonal of the smaller geometry.
     alpha
         Restitution slope [s/m]; when unset, 2/3 of the Hunt-Crossley dissipations, combined as
         Drake does.
     n
         Exponent of the deformation, from 1 (the default) to 1.5 (Hertz).
     adhesion
-        Whether the force may pull while bodies are torn apart; false unless set.
+        Whether the force may pull while bodies are torn apart; unless set, as the materials say.
     weighting
         Facet web: "multiplicity" (the default) or "unit", as published.
     field
@@ -108,6 +108,9 @@ class ContactConfig(ContactLawConfig):
         geometries that SceneGraph does not filter.
     overrides
         Exceptions for some of these pairs; a later one wins.
+    materials
+        Body name to the name of a material in `contact_toolkit.MATERIALS`, which takes the place of
+        the proximity properties of the body's geometries.
     tessellation_tolerance
         How far facets may lie inside a curved shape, relative to its radius.
     half_space_reach
@@ -122,6 +125,7 @@ class ContactConfig(ContactLawConfig):
 
     pairs: list[list[str]] = dataclasses.field(default_factory=list)
     overrides: list[PairConfig] = dataclasses.field(default_factory=list)
+    materials: dict[str, str] = dataclasses.field(default_factory=dict)
     tessellation_tolerance: float = 0.005
     half_space_reach: float = 100.0
     max_step: float = 0.005

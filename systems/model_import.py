@@ -14,6 +14,7 @@ from systems.contact_config import ContactConfig, ContactLawConfig
 from systems.contact_pairs import GeometryPair
 from systems.geometry_import import GeometryImporter, ImportedGeometry
 from systems.pair_parameters import Side, make_contact_pair, overlay
+from systems.proximity_material import ProximityMaterial, library_material
 
 
 def import_contact_model(
@@ -39,8 +40,12 @@ def import_contact_model(
         for geometry in pair:
             if geometry not in geometries:
                 geometries[geometry] = importer.read(geometry)
+    materials = {
+        names.find(body, "materials"): _material(body, material)
+        for body, material in config.materials.items()
+    }
     sides = {
-        geometry: Side(index, imported.mesh, imported.material)
+        geometry: Side(index, imported.mesh, materials.get(imported.body, imported.material))
         for index, (geometry, imported) in enumerate(geometries.items())
     }
     laws = _laws(config, names, {_bodies_of(pair, geometries) for pair in pairs})
@@ -70,6 +75,13 @@ def import_contact_model(
         threads=config.threads,
     )
     return model, bodies
+
+
+def _material(body: str, name: str) -> ProximityMaterial:
+    try:
+        return library_material(name)
+    except ValueError as error:
+        raise ValueError(f"materials: {body}: {error}") from error
 
 
 def _bodies_of(

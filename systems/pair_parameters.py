@@ -38,7 +38,9 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
         k=_stiffness(a, b, web, n, law.skin) if law.k is None else law.k,
         alpha=2 / 3 * _dissipation(a.material, b.material) if law.alpha is None else law.alpha,
         n=n,
-        adhesion=bool(law.adhesion),
+        adhesion=(
+            a.material.adhesion or b.material.adhesion if law.adhesion is None else law.adhesion
+        ),
     )
     return ContactPair(
         a.index,
@@ -79,11 +81,12 @@ def _stiffness(a: Side, b: Side, web: str, n: float, skin: float | None) -> floa
     if web == "facet":
         k = _in_series(a.material.point_stiffness, b.material.point_stiffness)
     else:
-        if skin is None:
-            skin = _SKIN * min(a.mesh.diagonal, b.mesh.diagonal)
-        if not skin > 0:
+        if skin is not None and not skin > 0:
             raise ValueError(f"skin must be a thickness [m] > 0, not {skin}")
-        k = _in_series(a.material.modulus, b.material.modulus) / skin
+        usual = _SKIN * min(a.mesh.diagonal, b.mesh.diagonal)
+        k = _in_series(
+            *(side.material.modulus / (skin or side.material.skin or usual) for side in (a, b))
+        )
     if not math.isfinite(k):
         raise ValueError("neither geometry gives way: set k, or make one compliant")
     return k
@@ -108,4 +111,10 @@ def _friction(a: ProximityMaterial, b: ProximityMaterial, settings: FrictionConf
         static = Friction.combined_coefficient(a.static_friction, b.static_friction)
         if dynamic is None:
             dynamic = Friction.combined_coefficient(a.dynamic_friction, b.dynamic_friction)
-    return Friction(static, dynamic, **_given(settings, "stiffness_ratio", "damping"))
+    given = _given(settings, "stiffness_ratio", "damping")
+    # Two materials: the more yielding spring, and the stronger damping.
+    for name, choose in (("stiffness_ratio", min), ("damping", max)):
+        told = [x for x in (getattr(a, name), getattr(b, name)) if x is not None]
+        if told:
+            given.setdefault(name, choose(told))
+    return Friction(static, dynamic, **given)

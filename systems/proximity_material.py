@@ -8,6 +8,8 @@ from typing import Any
 
 from pydrake.geometry import DefaultProximityProperties, ProximityProperties
 
+from contact_toolkit import find_material
+
 
 @dataclass(frozen=True)
 class ProximityMaterial:
@@ -23,6 +25,8 @@ class ProximityMaterial:
         Hydroelastic modulus [Pa]; infinite for a rigid hydroelastic geometry.
     point_stiffness
         Point contact stiffness [N/m].
+    stiffness_ratio, damping, adhesion, skin
+        As in `contact_toolkit.Material`; no properties of Drake's, hence None unless from there.
     """
 
     static_friction: float
@@ -30,6 +34,26 @@ class ProximityMaterial:
     dissipation: float
     modulus: float
     point_stiffness: float
+    stiffness_ratio: float | None = None
+    damping: float | None = None
+    adhesion: bool = False
+    skin: float | None = None
+
+
+def library_material(name: str) -> ProximityMaterial:
+    """Return a material of the library; raises ValueError for a name it does not know."""
+    material = find_material(name)
+    return ProximityMaterial(
+        static_friction=material.static_friction,
+        dynamic_friction=material.dynamic_friction,
+        dissipation=1.5 * material.alpha,
+        modulus=material.modulus,
+        point_stiffness=math.inf,
+        stiffness_ratio=material.stiffness_ratio,
+        damping=material.damping,
+        adhesion=material.adhesion,
+        skin=material.skin,
+    )
 
 
 def read_material(

@@ -31,7 +31,7 @@ from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
 
-from contact_toolkit import Friction, NonlinearDamper
+from contact_toolkit import Friction, NonlinearDamper, find_material
 from systems import (
     AddNonlinearDamperContact,
     ContactConfig,
@@ -284,9 +284,37 @@ def test_settings_load_from_yaml():
     assert pair.standoff == 0.0015
 
 
+def test_materials_of_the_library_take_the_place_of_proximity_properties():
+    config = yaml_load_typed(
+        schema=ContactConfig, data="materials: {a: steel, b: rubber, world: mud}"
+    )
+    boxes = Boxes()
+    contact = AddNonlinearDamperContact(
+        boxes.builder, boxes.plant, boxes.scene_graph, config=config
+    )
+    geometries, bodies = contact.model.geometries, contact.model.bodies
+    laws = {
+        frozenset(bodies[geometries[side].body] for side in (pair.a, pair.b)): pair
+        for pair in contact.model.pairs
+    }
+    steel, rubber, mud = (find_material(name) for name in ("steel", "rubber", "mud"))
+    skin = 0.01 * math.sqrt(3) * 0.2
+    hard = laws[frozenset("ab")]
+    assert hard.damper.k == pytest.approx(1 / (skin / steel.modulus + skin / rubber.modulus))
+    assert min(steel.alpha, rubber.alpha) < hard.damper.alpha < max(steel.alpha, rubber.alpha)
+    assert hard.friction.static == pytest.approx(2 * 0.74 * 1.0 / 1.74)
+    assert not hard.damper.adhesion
+    soft = laws[frozenset(("a", "world"))]
+    assert soft.damper.k == pytest.approx(1 / (skin / steel.modulus + mud.skin / mud.modulus))
+    assert soft.damper.adhesion
+    assert (soft.friction.stiffness_ratio, soft.friction.damping) == (0.0, mud.damping)
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
+        ({"materials": {"a": "butter"}}, "materials: a: no material 'butter'; there are steel"),
+        ({"materials": {"x": "steel"}}, "materials: the plant has no body 'x'"),
         ({"pairs": [["a", "bb"]]}, r"pairs\[0\]: the plant has no body 'bb'; did you mean b"),
         ({"pairs": [["a", "b"], ["a", "a"]]}, r"pairs\[1\]: 'a' cannot touch itself"),
         ({"pairs": [["a"]]}, r"pairs\[0\]: give two body names, not 1"),
