@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue, Value
 from pydrake.math import RigidTransform
-from pydrake.multibody.math import SpatialForce, SpatialVelocity
+from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import (
@@ -22,8 +22,8 @@ from pydrake.systems.framework import (
     State,
 )
 
-from contact_toolkit import ContactModel, FloatingBodies, Forces, Found, StepTable
-from systems.body_motion import sort_by_motion
+from contact_toolkit import ContactModel, Forces, StepTable
+from systems.body_motion import BodyMotion
 from systems.contact_watch import ContactWatch, Reported
 from systems.python_cache import holding, producer
 
@@ -101,18 +101,8 @@ class NonlinearDamperContact(LeafSystem):
         super().__init__()
         self._model = model
         self._bodies = tuple(bodies)
-        motion = sort_by_motion(plant, bodies, lists_only=lists_only)
-        self._listed = motion.listed
-        self._uses_state = bool(motion.floating)
-        self._rest_state = np.zeros(plant.num_positions() + plant.num_velocities())
-        self._floating_bodies = FloatingBodies(
-            motion.floating,
-            motion.q_start,
-            motion.v_start,
-            motion.X_WB,
-            num_positions=plant.num_positions(),
-            num_velocities=plant.num_velocities(),
-        )
+        self._motion = BodyMotion(plant, bodies, lists_only=lists_only)
+        self._no_state = np.zeros(plant.num_positions() + plant.num_velocities())
         self._declare_inputs()
         self._table = self.DeclareAbstractState(holding(model.initial_table()))
         self._watch = ContactWatch(plant, model, bodies, when_deep=when_deep)
@@ -139,12 +129,12 @@ class NonlinearDamperContact(LeafSystem):
     @property
     def uses_state(self) -> bool:
         """Whether `state` must be connected, and `generalized_forces` carries forces."""
-        return self._uses_state
+        return self._motion.uses_state
 
     @property
     def uses_lists(self) -> bool:
         """Whether the list inputs must be connected, and `spatial_forces` carries forces."""
-        return bool(self._listed)
+        return self._motion.uses_lists
 
     def get_state_input_port(self) -> InputPort:
         """Return the port for the plant's `state`, positions then velocities."""
@@ -187,7 +177,7 @@ class NonlinearDamperContact(LeafSystem):
         return self.GetOutputPort("energies")
 
     def _declare_inputs(self) -> None:
-        self._state = self.DeclareVectorInputPort("state", len(self._rest_state))
+        self._state = self.DeclareVectorInputPort("state", len(self._no_state))
         self._body_poses = self.DeclareAbstractInputPort(
             "body_poses", AbstractValue.Make([RigidTransform()])
         )
@@ -237,33 +227,23 @@ class NonlinearDamperContact(LeafSystem):
             "energies", 4, self._output_energies, forces | {self.time_ticket()}
         )
 
-    def _gather(self, context: Context) -> tuple[Floats, Floats]:
-        """Return poses and velocities from the state; those of listed bodies stay unset."""
-        state = self._state.Eval(context) if self._uses_state else self._rest_state
-        return self._floating_bodies.gather(state)
+    def _read_motion(self, context: Context) -> tuple[Floats, Floats]:
+        """Return poses, and velocities without those of listed bodies."""
+        state = self._state.Eval(context) if self._motion.uses_state else self._no_state
+        X_WB, V_WB = self._motion.read_state(state)
+        if self._motion.uses_lists:
+            self._motion.fill_in_poses(X_WB, self._body_poses.Eval(context))
+        return X_WB, V_WB
 
-    def _eval_poses(self, context: Context) -> Floats:
-        X_WB, _ = self._gather(context)
-        if self._listed:
-            poses = self._body_poses.Eval(context)
-            for row, body in self._listed:
-                X_WB[row] = poses[body].GetAsMatrix4()
-        return X_WB
-
-    def _find(self, context: Context, found: AbstractValue) -> None:
-        found.set_value(self._model.find(self._eval_poses(context), self._eval_table(context)))
-
-    def _eval_velocities(self, context: Context) -> Floats:
-        _, V_WB = self._gather(context)
-        if self._listed:
-            velocities = self._body_velocities.Eval(context)
-            for row, body in self._listed:
-                V_WB[row] = velocities[body].get_coeffs()
-        return V_WB
+    def _find(self, context: Context, output: AbstractValue) -> None:
+        X_WB, V_WB = self._read_motion(context)
+        output.set_value((self._model.find(X_WB, self._eval_table(context)), V_WB))
 
     def _push(self, context: Context, forces: AbstractValue) -> None:
-        found: Found = self._found.Eval(context)
-        V_WB = self._eval_velocities(context)
+        found, V_WB = self._found.Eval(context)
+        if self._motion.uses_lists:
+            V_WB = V_WB.copy()
+            self._motion.fill_in_velocities(V_WB, self._body_velocities.Eval(context))
         forces.set_value(self._model.forces(found, V_WB, self._eval_table(context)))
 
     def _eval_table(self, context: Context) -> StepTable:
@@ -281,27 +261,24 @@ class NonlinearDamperContact(LeafSystem):
         reported = self._watch.look(
             context.get_abstract_state(self._reported).get_value(),
             self._eval_forces(context),
-            lambda: self._eval_poses(context),
+            lambda: self._read_motion(context)[0],
         )
         state.get_mutable_abstract_state(self._reported).set_value(reported)
         state.get_mutable_abstract_state(self._table).set_value(self._eval_advanced_table(context))
 
     def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
         wrenches = self._eval_forces(context).body_wrenches
-        output.SetFromVector(self._floating_bodies.scatter(wrenches))
+        output.SetFromVector(self._motion.generalized_forces(wrenches))
 
     def _output_spatial_forces(self, context: Context, output: AbstractValue) -> None:
         wrenches = self._eval_forces(context).body_wrenches
-        loaded = wrenches.any(axis=1)
-        output.set_value(
-            [_spatial_force(body, wrenches[row]) for row, body in self._listed if loaded[row]]
-        )
+        output.set_value(self._motion.spatial_forces(wrenches))
 
     def _output_contacts(self, context: Context, output: AbstractValue) -> None:
         output.set_value(self._eval_forces(context).contacts)
 
     def _output_poses(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._eval_poses(context))
+        output.set_value(self._read_motion(context)[0])
 
     def _output_wrenches(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._eval_forces(context).body_wrenches.ravel())
@@ -313,12 +290,3 @@ class NonlinearDamperContact(LeafSystem):
         stored = self._eval_forces(context).energies
         lost = self._eval_advanced_table(context).losses
         output.SetFromVector(np.concatenate([stored, lost]))
-
-
-def _spatial_force(body: BodyIndex, wrench: Floats) -> ExternallyAppliedSpatialForce:
-    """Return a wrench about Bo as Drake takes it."""
-    force = ExternallyAppliedSpatialForce()
-    force.body_index = body
-    force.p_BoBq_B = np.zeros(3)
-    force.F_Bq_W = SpatialForce(wrench[:3], wrench[3:])
-    return force
