@@ -1,0 +1,44 @@
+"""The notebooks run from top to bottom without a warning, and match their paired scripts."""
+
+from pathlib import Path
+
+import jupytext
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+ROOT = Path(__file__).parents[1]
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+
+
+def outputs_of(notebook):
+    return [output for cell in notebook.cells for output in cell.get("outputs", [])]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_and_script_are_the_same_program(path):
+    cells, paired = (
+        [(cell.cell_type, cell.source) for cell in jupytext.read(file).cells]
+        for file in (path, path.with_suffix(".py"))
+    )
+    assert cells == paired, f"run: jupytext --sync {path.with_suffix('.py')}"
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_runs_without_warnings(path, tmp_path, monkeypatch):
+    outputs = outputs_of(execute(path, tmp_path, monkeypatch))
+    said = "".join(output.text for output in outputs if output.get("name") == "stderr")
+    assert "Warning" not in said
+    assert list((tmp_path / "runs").glob("*.html"))  # the playback shown inline
+    for table in (o.text for o in outputs if "closed form" in o.get("text", "")):
+        rows = [[float(number) for number in line.split()] for line in table.splitlines()[1:]]
+        assert len(rows) >= 5
+        for _, measured, expected in rows:
+            assert measured == pytest.approx(expected, rel=0.01)
+
+
+def execute(path, folder, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    notebook = nbformat.read(path, as_version=4)
+    where = {"metadata": {"path": folder}}
+    return NotebookClient(notebook, timeout=300, kernel_name="python3", resources=where).execute()
