@@ -15,9 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from contact_toolkit import _core
 from contact_toolkit.convex import Shape
 from contact_toolkit.mesh import Floats, Ints
-from contact_toolkit.queries import as_pose
-
-_POSE_TOLERANCE = 1e-6  # [-] as for single poses
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ def intersects_batch(
     `threads`: None takes as many as the process may use.
     """
     poses = as_poses(X_AB)
-    return np.asarray(_core.intersect(A._core, B._core, poses, as_threads(threads)))
+    return np.asarray(_core.intersections(A._core, B._core, poses, as_threads(threads)))
 
 
 def as_poses(X: ArrayLike, name: str = "X_AB") -> Floats:
@@ -79,18 +76,7 @@ def as_poses(X: ArrayLike, name: str = "X_AB") -> Floats:
     poses = np.ascontiguousarray(X, dtype=np.float64)
     if poses.ndim != 3 or poses.shape[1:] != (4, 4):
         raise ValueError(f"{name} must be homogeneous matrices (n, 4, 4), not {poses.shape}")
-    R = poses[:, :3, :3]
-    with np.errstate(invalid="ignore", over="ignore"):
-        error = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-        rigid = (
-            np.isfinite(poses).all(axis=(1, 2))
-            & (error <= _POSE_TOLERANCE)
-            & (poses[:, 3] == (0, 0, 0, 1)).all(axis=1)
-        )
-    rigid &= np.linalg.det(np.where(rigid[:, None, None], R, np.eye(3))) > 0
-    if not rigid.all():
-        bad = int(np.argmin(rigid))
-        as_pose(poses[bad], f"{name}[{bad}]")  # raises, saying what is wrong
+    _core.check_poses(poses, name)
     return poses
 
 

@@ -13,14 +13,11 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact_toolkit import _core
 from contact_toolkit.convex import Shape
 from contact_toolkit.mesh import Floats
 from contact_toolkit.queries import as_pose
-from contact_toolkit.swept_batch import (
-    swept_distance_batch,
-    swept_intersects_batch,
-    time_of_impact_batch,
-)
+from contact_toolkit.swept_batch import as_tolerance
 
 
 class ImpactStatus(IntEnum):
@@ -122,25 +119,13 @@ def swept_distance(
     upper_bound
         [m]; larger distances are of no interest, and the query may stop early.
     """
-    batch = swept_distance_batch(
-        A,
-        B,
-        as_pose(X_AB_start, "X_AB_start")[None],
-        as_pose(X_AB_end, "X_AB_end")[None],
-        tolerance=tolerance,
-        upper_bound=upper_bound,
-        threads=1,
+    if not upper_bound >= 0:
+        raise ValueError(f"upper_bound must be at least 0, not {upper_bound}")
+    start, end = as_pose(X_AB_start, "X_AB_start"), as_pose(X_AB_end, "X_AB_end")
+    found = _core.swept_distance(
+        A._core, B._core, start, end, as_tolerance(tolerance, A, B), upper_bound
     )
-    return SweptDistance(
-        distance=float(batch.distance[0]),
-        error=float(batch.error[0]),
-        time=float(batch.time[0]),
-        p_ACa=batch.p_ACa[0],
-        p_ACb=batch.p_ACb[0],
-        index_a=int(batch.index_a[0]),
-        index_b=int(batch.index_b[0]),
-        converged=bool(batch.converged[0]),
-    )
+    return SweptDistance(**found)
 
 
 def swept_intersects(
@@ -156,15 +141,8 @@ def swept_intersects(
     With rotation, shapes that pass each other within the tolerance count as touching; in a pure
     translation, within rounding. The parameters are those of `swept_distance`.
     """
-    batch = swept_intersects_batch(
-        A,
-        B,
-        as_pose(X_AB_start, "X_AB_start")[None],
-        as_pose(X_AB_end, "X_AB_end")[None],
-        tolerance=tolerance,
-        threads=1,
-    )
-    return bool(batch[0])
+    start, end = as_pose(X_AB_start, "X_AB_start"), as_pose(X_AB_end, "X_AB_end")
+    return _core.swept_intersects(A._core, B._core, start, end, as_tolerance(tolerance, A, B))
 
 
 def time_of_impact(
@@ -191,22 +169,10 @@ def time_of_impact(
     tolerance
         [m]; by default a millionth of the smaller shape's diagonal.
     """
-    batch = time_of_impact_batch(
-        A,
-        B,
-        as_pose(X_AB_start, "X_AB_start")[None],
-        as_pose(X_AB_end, "X_AB_end")[None],
-        separation=separation,
-        tolerance=tolerance,
-        threads=1,
+    if not (np.isfinite(separation) and separation >= 0):
+        raise ValueError(f"separation must be a finite length of at least 0 m, not {separation}")
+    start, end = as_pose(X_AB_start, "X_AB_start"), as_pose(X_AB_end, "X_AB_end")
+    found = _core.time_of_impact(
+        A._core, B._core, start, end, separation, as_tolerance(tolerance, A, B)
     )
-    return TimeOfImpact(
-        time=float(batch.time[0]),
-        distance=float(batch.distance[0]),
-        p_ACa=batch.p_ACa[0],
-        p_ACb=batch.p_ACb[0],
-        normal_A=batch.normal_A[0],
-        index_a=int(batch.index_a[0]),
-        index_b=int(batch.index_b[0]),
-        status=ImpactStatus(batch.status[0]),
-    )
+    return TimeOfImpact(**{**found, "status": ImpactStatus(found["status"])})

@@ -71,12 +71,12 @@ def swept_distance_batch(
     `upper_bound`: one for all rows, or (n,). `threads`: None takes as many as the process may use.
     """
     start, end = _as_motions(X_AB_start, X_AB_end)
-    found = _core.swept_distance(
+    found = _core.swept_distances(
         A._core,
         B._core,
         start,
         end,
-        _as_tolerance(tolerance, A, B),
+        as_tolerance(tolerance, A, B),
         as_upper_bounds(upper_bound, len(start)),
         as_threads(threads),
     )
@@ -97,8 +97,8 @@ def swept_intersects_batch(
     `threads`: None takes as many as the process may use.
     """
     start, end = _as_motions(X_AB_start, X_AB_end)
-    touches = _core.swept_intersects(
-        A._core, B._core, start, end, _as_tolerance(tolerance, A, B), as_threads(threads)
+    touches = _core.swept_intersections(
+        A._core, B._core, start, end, as_tolerance(tolerance, A, B), as_threads(threads)
     )
     return np.asarray(touches)
 
@@ -120,13 +120,13 @@ def time_of_impact_batch(
     if not (np.isfinite(separation) and separation >= 0):
         raise ValueError(f"separation must be a finite length of at least 0 m, not {separation}")
     start, end = _as_motions(X_AB_start, X_AB_end)
-    found = _core.time_of_impact(
+    found = _core.times_of_impact(
         A._core,
         B._core,
         start,
         end,
         separation,
-        _as_tolerance(tolerance, A, B),
+        as_tolerance(tolerance, A, B),
         as_threads(threads),
     )
     return TimesOfImpact(**found)
@@ -139,7 +139,8 @@ def _as_motions(X_AB_start: ArrayLike, X_AB_end: ArrayLike) -> tuple[Floats, Flo
     return start, end
 
 
-def _as_tolerance(tolerance: float | None, A: Shape, B: Shape) -> float:
+def as_tolerance(tolerance: float | None, A: Shape, B: Shape) -> float:
+    """Return a tolerance [m], by default a millionth of the smaller shape; it must be positive."""
     if tolerance is None:
         return _DEFAULT_TOLERANCE * min(A.diagonal, B.diagonal)
     if not (np.isfinite(tolerance) and tolerance > 0):

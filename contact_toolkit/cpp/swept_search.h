@@ -4,10 +4,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "convex_leaves.h"
@@ -17,11 +18,20 @@
 
 namespace contact_toolkit {
 
+// Pairs of leaves to look at, the nearest boxes first.
+struct LeafPairs {
+  struct Pair {
+    float squared_bound;  // they are no closer than that during the slice
+    std::int32_t slot_a, slot_b;
+  };
+  int count = 0;
+  std::array<Pair, kBvhWidth * kBvhWidth> pair;
+};
+
 // Query provides
-//   double reach(const TimeSlice&) const    pairs further apart in the slice matter no more;
-//   negative: none Vec3 direction() const                  a unit vector in A likely to separate
-//   leaves; or zero void Visit(slot_a, slot_b, const TimeSlice&, double bound)    `bound`: they are
-//   no closer
+//   float squared_reach(const TimeSlice&) const   pairs further apart matter no more; negative:
+//   none Vec3 direction() const                        unit vector in A likely to separate leaves;
+//   or zero void Visit(const LeafPairs&, const TimeSlice&)
 template <typename Query>
 class SweptSearch {
  public:
@@ -40,7 +50,7 @@ class SweptSearch {
     while (!stack_.empty()) {
       const Item item = stack_.back();
       stack_.pop_back();
-      if (Wanted(item.squared_bound, slices_[item.slice])) Open(item);
+      if (item.squared_bound <= query_.squared_reach(slices_[item.slice])) Open(item);
     }
   }
 
@@ -50,16 +60,10 @@ class SweptSearch {
     std::int32_t a, b, slice;
   };
 
-  bool Wanted(float squared_bound, const TimeSlice& slice) const {
-    const double reach = query_.reach(slice);
-    return reach >= 0 && squared_bound <= reach * reach;
-  }
-
   void Open(const Item& item) {
     const BvhNode &a = a_.nodes[item.a], &b = b_.nodes[item.b];
-    const SweptCull& cull = CullOf(item.slice);
     alignas(32) float bound[kBvhWidth * kBvhWidth];
-    const float furthest = kernels_.box_bounds(a, b, cull, bound);
+    const float furthest = kernels_.box_bounds(a, b, CullOf(item.slice), bound);
     if (split_time_ && IsLong(item, furthest, std::max(LargestHalf(a), LargestHalf(b)))) {
       const int first = slices_.Halves(item.slice);
       stack_.push_back({item.squared_bound, item.a, item.b, first + 1});
@@ -79,60 +83,62 @@ class SweptSearch {
   }
 
   void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const float* bound) {
-    const auto base = static_cast<std::ptrdiff_t>(stack_.size());
-    const TimeSlice& slice = slices_[item.slice];
-    const auto push = [&](float least, std::int32_t next_a, std::int32_t next_b) {
-      if (Wanted(least, slice)) stack_.push_back({least, next_a, next_b, item.slice});
+    const float reach = query_.squared_reach(slices_[item.slice]);
+    Item next[kBvhWidth * kBvhWidth];
+    int count = 0;
+    const auto add = [&](float least, std::int32_t next_a, std::int32_t next_b) {
+      if (least <= reach) next[count++] = {least, next_a, next_b, item.slice};
     };
+    // A bottom node stays while the other side descends.
     if (a.bottom()) {
       for (int j = 0; j < b.count; ++j) {
-        push(*std::min_element(bound + 8 * j, bound + 8 * j + a.count), item.a, b.child[j]);
+        add(*std::min_element(bound + 8 * j, bound + 8 * j + a.count), item.a, b.child[j]);
       }
     } else if (b.bottom()) {
       for (int k = 0; k < a.count; ++k) {
         float least = bound[k];
         for (int j = 1; j < b.count; ++j) least = std::min(least, bound[8 * j + k]);
-        push(least, a.child[k], item.b);
+        add(least, a.child[k], item.b);
       }
     } else {
       for (int j = 0; j < b.count; ++j) {
-        for (int k = 0; k < a.count; ++k) push(bound[8 * j + k], a.child[k], b.child[j]);
+        for (int k = 0; k < a.count; ++k) add(bound[8 * j + k], a.child[k], b.child[j]);
       }
     }
-    // Nearest last, so that it is opened first; ties by index keep the order fixed.
-    std::sort(stack_.begin() + base, stack_.end(), [](const Item& x, const Item& y) {
-      if (x.squared_bound != y.squared_bound) return x.squared_bound > y.squared_bound;
-      return x.a != y.a ? x.a > y.a : x.b > y.b;
-    });
+    std::sort(next, next + count,
+              [](const Item& x, const Item& y) { return x.squared_bound < y.squared_bound; });
+    // Nearest last, so that it is opened first.
+    stack_.insert(stack_.end(), std::reverse_iterator(next + count), std::reverse_iterator(next));
   }
 
   void Visit(const Item& item, const BvhNode& a, const BvhNode& b, const float* bound) {
     const TimeSlice slice = slices_[item.slice];
-    std::uint64_t pairs = 0;
+    const float reach = query_.squared_reach(slice);
+    std::uint64_t bits = 0;
     for (int j = 0; j < b.count; ++j) {
       for (int k = 0; k < a.count; ++k) {
-        if (Wanted(bound[8 * j + k], slice)) pairs |= std::uint64_t{1} << (8 * j + k);
+        bits |= std::uint64_t{bound[8 * j + k] <= reach} << (8 * j + k);
       }
     }
-    if (facets_ && pairs != 0) {
+    if (facets_ && bits != 0) {
       const Vec3 n = query_.direction();
       const float direction[3]{static_cast<float>(n.x), static_cast<float>(n.y),
                                static_cast<float>(n.z)};
-      pairs = kernels_.cull_facets(a_.blocks[a.block], b_.blocks[b.block], CullOf(item.slice),
-                                   direction, static_cast<float>(query_.reach(slice)), pairs);
+      bits = kernels_.cull_facets(a_.blocks[a.block], b_.blocks[b.block], CullOf(item.slice),
+                                  direction, std::sqrt(reach), bits);
     }
-    std::pair<float, int> order[kBvhWidth * kBvhWidth];
-    int count = 0;
-    for (; pairs != 0; pairs &= pairs - 1) {
-      const int lanes = __builtin_ctzll(pairs);
-      order[count++] = {bound[lanes], lanes};
+    if (bits == 0) return;
+    LeafPairs pairs;
+    for (; bits != 0; bits &= bits - 1) {
+      const int lanes = __builtin_ctzll(bits);
+      pairs.pair[pairs.count++] = {bound[lanes], a.child[lanes % kBvhWidth],
+                                   b.child[lanes / kBvhWidth]};
     }
-    std::sort(order, order + count);
-    for (int i = 0; i < count; ++i) {
-      const auto [least, lanes] = order[i];
-      if (!Wanted(least, slice)) continue;
-      query_.Visit(a.child[lanes % kBvhWidth], b.child[lanes / kBvhWidth], slice, std::sqrt(least));
-    }
+    std::sort(pairs.pair.begin(), pairs.pair.begin() + pairs.count,
+              [](const LeafPairs::Pair& x, const LeafPairs::Pair& y) {
+                return x.squared_bound < y.squared_bound;
+              });
+    query_.Visit(pairs, slice);
   }
 
   static float LargestHalf(const BvhNode& node) {

@@ -50,8 +50,8 @@ inline constexpr double kThicknessTolerance = 2e-3;
 
 // GJK. Iterations: polytopes take about ten; the limit only guards against an endless loop.
 inline constexpr int kGjkIterations = 200;
-// [-] It ends when distance and lower bound agree to this many roundings of the coordinates, and sets
-// closer than that overlap.
+// [-] It ends when distance and lower bound agree to this many roundings of the coordinates, and
+// sets closer than that overlap.
 inline constexpr double kGjkGap = 4;
 // [-] A tetrahedron of less than this share of its longest edge cubed has no reliable inside: its
 // faces, which are then as near, are used instead.

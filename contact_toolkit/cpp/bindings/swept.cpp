@@ -64,15 +64,19 @@ nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, BoundsIn upper_b
   return columns;
 }
 
-nb::object IntersectOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
+nb::object IntersectionsOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   return ToBooleans(FindAll<std::uint8_t>(poses, threads, [&](const Motion& still, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, still, 0));
   }));
 }
 
-nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double tolerance,
-                         BoundsIn upper_bound, int threads) {
+double ErrorOf(const SweptDistance& answer) {
+  return answer.index_a < 0 ? 0 : answer.distance - answer.lower_bound;
+}
+
+nb::dict SweptDistancesOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double tolerance,
+                          BoundsIn upper_bound, int threads) {
   RequireRows(upper_bound.shape(0), start);
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   using Answer = SweptDistance;
@@ -82,7 +86,7 @@ nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
   std::vector<double> error;
   std::vector<std::uint8_t> converged;
   for (const Answer& answer : answers) {
-    error.push_back(answer.index_a < 0 ? 0 : answer.distance - answer.lower_bound);
+    error.push_back(ErrorOf(answer));
     converged.push_back(answer.converged);
   }
   nb::dict columns;
@@ -97,8 +101,8 @@ nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
   return columns;
 }
 
-nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double separation,
-                        double tolerance, int threads) {
+nb::dict TimesOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double separation,
+                         double tolerance, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   using Answer = TimeOfImpact;
   const auto answers = FindAll<Answer>(start, end, threads, [&](const Motion& motion, int) {
@@ -118,30 +122,79 @@ nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, 
   return columns;
 }
 
-nb::object SweptIntersectsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
-                             double tolerance, int threads) {
+nb::object SweptIntersectionsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
+                                double tolerance, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   return ToBooleans(FindAll<std::uint8_t>(start, end, threads, [&](const Motion& motion, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, motion, tolerance));
   }));
 }
 
+nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, double tolerance,
+                         double upper_bound) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  const Motion motion(Pose::FromMatrix(start.data()), Pose::FromMatrix(end.data()));
+  SweptDistance answer;
+  {
+    const nb::gil_scoped_release release;
+    answer = FindSweptDistance(a, b, motion, tolerance, upper_bound);
+  }
+  nb::dict fields;
+  fields["distance"] = answer.lower_bound;
+  fields["error"] = ErrorOf(answer);
+  fields["time"] = answer.time;
+  fields["p_ACa"] = ToNumpy(answer.p_ACa);
+  fields["p_ACb"] = ToNumpy(answer.p_ACb);
+  fields["index_a"] = answer.index_a;
+  fields["index_b"] = answer.index_b;
+  fields["converged"] = answer.converged;
+  return fields;
+}
+
+nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, double separation,
+                        double tolerance) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  const Motion motion(Pose::FromMatrix(start.data()), Pose::FromMatrix(end.data()));
+  TimeOfImpact answer;
+  {
+    const nb::gil_scoped_release release;
+    answer = FindTimeOfImpact(a, b, motion, separation, tolerance);
+  }
+  nb::dict fields;
+  fields["time"] = answer.time;
+  fields["distance"] = answer.distance;
+  fields["p_ACa"] = ToNumpy(answer.p_ACa);
+  fields["p_ACb"] = ToNumpy(answer.p_ACb);
+  fields["normal_A"] = ToNumpy(answer.normal_A);
+  fields["index_a"] = answer.index_a;
+  fields["index_b"] = answer.index_b;
+  fields["status"] = static_cast<int>(answer.status);
+  return fields;
+}
+
+bool SweptIntersectsOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, double tolerance) {
+  const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
+  const Motion motion(Pose::FromMatrix(start.data()), Pose::FromMatrix(end.data()));
+  const nb::gil_scoped_release release;
+  return SweptIntersects(a, b, motion, tolerance);
+}
+
 }  // namespace
 
 void BindSwept(nb::module_& m) {
-  m.def("distances", &DistancesOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
-        nb::arg("upper_bound").noconvert(), nb::arg("threads"));
-  m.def("intersect", &IntersectOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB").noconvert(),
-        nb::arg("threads"));
-  m.def("swept_distance", &SweptDistanceOf, nb::arg("A"), nb::arg("B"),
-        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("tolerance"),
-        nb::arg("upper_bound").noconvert(), nb::arg("threads"));
-  m.def("time_of_impact", &TimeOfImpactOf, nb::arg("A"), nb::arg("B"),
-        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("separation"),
-        nb::arg("tolerance"), nb::arg("threads"));
-  m.def("swept_intersects", &SweptIntersectsOf, nb::arg("A"), nb::arg("B"),
-        nb::arg("X_AB_start").noconvert(), nb::arg("X_AB_end").noconvert(), nb::arg("tolerance"),
-        nb::arg("threads"));
+  const auto A = nb::arg("A"), B = nb::arg("B"), tolerance = nb::arg("tolerance"),
+             separation = nb::arg("separation"), bound = nb::arg("upper_bound"),
+             threads = nb::arg("threads");
+  const auto pose = nb::arg("X_AB").noconvert(), start = nb::arg("X_AB_start").noconvert(),
+             end = nb::arg("X_AB_end").noconvert(), bounds = nb::arg("upper_bound").noconvert();
+  m.def("distances", &DistancesOf, A, B, pose, bounds, threads);
+  m.def("intersections", &IntersectionsOf, A, B, pose, threads);
+  m.def("swept_distance", &SweptDistanceOf, A, B, start, end, tolerance, bound);
+  m.def("swept_distances", &SweptDistancesOf, A, B, start, end, tolerance, bounds, threads);
+  m.def("swept_intersects", &SweptIntersectsOf, A, B, start, end, tolerance);
+  m.def("swept_intersections", &SweptIntersectionsOf, A, B, start, end, tolerance, threads);
+  m.def("time_of_impact", &TimeOfImpactOf, A, B, start, end, separation, tolerance);
+  m.def("times_of_impact", &TimesOfImpactOf, A, B, start, end, separation, tolerance, threads);
 }
 
 }  // namespace contact_toolkit

@@ -2,16 +2,9 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/string.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <string>
 
 #include "arrays.h"
 #include "simd/kernels.h"
-#include "tolerances.h"
 #include "witness_cache.h"
 
 namespace contact_toolkit {
@@ -91,45 +84,6 @@ nb::dict DistanceOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
   return result;
 }
 
-// Raises ValueError unless X is a rigid transform within the core's range.
-void CheckPose(PoseIn X, const std::string& name) {
-  const double* m = X.data();
-  for (int i = 0; i < 16; ++i) {
-    if (!std::isfinite(m[i])) {
-      throw nb::value_error((name + " has an entry that is not finite").c_str());
-    }
-  }
-  const Pose pose = Pose::FromMatrix(m);
-  const Vec3& p = pose.p;
-  const double farthest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  if (farthest > kMaxCoordinate) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%g", farthest);
-    throw nb::value_error(
-        (name + " has a translation of " + number + " m, beyond the limit of 1e15 m").c_str());
-  }
-  const auto& R = pose.R.row;
-  bool rigid = m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      rigid = rigid && std::abs(Dot(R[i], R[k]) - (i == k)) <= kPoseTolerance;
-    }
-  }
-  if (!rigid || Dot(Cross(R[0], R[1]), R[2]) < 0) {
-    std::string found;
-    for (int i = 0; i < 16; ++i) {
-      char number[32];
-      std::snprintf(number, sizeof number, i % 4 == 0 ? "\n%12.6g" : " %12.6g", m[i]);
-      found += number;
-    }
-    throw nb::value_error((name +
-                           " is not a rigid transform: its upper left block must be a rotation and "
-                           "its last row 0 0 0 1; found" +
-                           found)
-                              .c_str());
-  }
-}
-
 bool IntersectsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB) {
   const nb::gil_scoped_release release;
   return Intersects(A, B, Pose::FromMatrix(X_AB.data()));
@@ -150,7 +104,6 @@ void BindWitness(nb::module_& m) {
       .def_prop_ro("gathered", &WitnessCache::gathered)
       .def("witness_pairs", &CachedWitnessPairs, nb::arg("X_AB"), nb::arg("standoff"),
            nb::arg("merge"));
-  m.def("check_pose", &CheckPose, nb::arg("X"), nb::arg("name"));
   m.def("simd", [] { return ActiveKernels().name; });
   m.def("select_simd", &SelectKernels, nb::arg("name"));
 }

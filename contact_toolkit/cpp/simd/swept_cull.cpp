@@ -17,6 +17,11 @@ void ToFloat(const Mat3& m, float out[3][3]) {
 }
 Vec3 Absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 
+// About the size of the mesh's facets [m].
+double FacetSize(const Bvh& bvh) {
+  return bvh.size / std::sqrt(static_cast<double>(bvh.slot_facet.size()));
+}
+
 }  // namespace
 
 SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const TimeSlice& slice) {
@@ -34,7 +39,9 @@ SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const Tim
   ToFloat(b.origin, from_Bo);
   across_count = 0;
   const Vec3 way = end - begin;
-  for (int i = 0; i < 3 && !motion.rotates(); ++i) {
+  // Worth their time only where boxes of facets are passed by.
+  const bool passing = Norm(way) > std::min(FacetSize(a), FacetSize(b));
+  for (int i = 0; i < 3 && passing && !motion.rotates(); ++i) {
     const Vec3 normal = Cross(way, Mat3{}.row[i]);
     if (!(Norm(normal) > kCullingSlack * Norm(way))) continue;  // along the axis, or no motion
     const Vec3 u = Normalized(normal);

@@ -21,49 +21,75 @@ CT_INLINE Float8 Bow(const SweptCull& cull, const Float8 (&c)[3]) {
   return cull.bow * SquareRoot(Most(squared, Float8{}));
 }
 
-float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float bound[64]) {
-  // B's children, eight at once: the box in A around all that each sweeps over.
-  alignas(32) float center[3][8], half[3][8], across_half[3][8];
-  const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
-  const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
-  Float8 swell = Fill8(cull.slack), furthest{};
-  if (cull.turn > 0) {
-    const Float8 bow = Bow(cull, c);
-    swell = swell + bow + cull.turn * SquareRoot(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-    furthest = bow;
+// Boxes in A around all that the children of b, eight at once, sweep over.
+struct SweptBoxes {
+  alignas(32) float center[3][8], half[3][8];
+  float furthest;  // [m] that any of them goes, either way from the middle
+};
+
+CT_INLINE void Translate(const Float8 (&c)[3], const Float8 (&h)[3], const SweptCull& cull,
+                         SweptBoxes* boxes) {
+  boxes->furthest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const float begin = cull.p_begin[i], end = cull.p_end[i];
+    const float way = 0.5f * (end > begin ? end - begin : begin - end);
+    Store8(boxes->center[i], Row(cull.R[i], c) + 0.5f * (begin + end));
+    Store8(boxes->half[i], Row(cull.abs_R[i], h) + (way + cull.slack));
+    boxes->furthest = way > boxes->furthest ? way : boxes->furthest;
   }
+}
+
+CT_INLINE void Turn(const Float8 (&c)[3], const Float8 (&h)[3], int count, const SweptCull& cull,
+                    SweptBoxes* boxes) {
+  const Float8 bow = Bow(cull, c);
+  const Float8 swell = bow + cull.turn * SquareRoot(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+  Float8 furthest = bow;
   for (int i = 0; i < 3; ++i) {
     const Float8 begin = Row(cull.R_begin[i], c) + cull.p_begin[i];
     const Float8 end = Row(cull.R_end[i], c) + cull.p_end[i];
     const Float8 way = Absolute(0.5f * (end - begin));
-    Store8(center[i], 0.5f * (begin + end));
-    Store8(half[i], Row(cull.abs_R[i], h) + way + swell);
+    Store8(boxes->center[i], 0.5f * (begin + end));
+    Store8(boxes->half[i], Row(cull.abs_R[i], h) + way + (swell + cull.slack));
     furthest = Most(furthest, way);
   }
-  Float8 across_half_a[3];
-  for (int n = 0; n < cull.across_count; ++n) {
-    Store8(across_half[n], Row(cull.abs_across_B[n], h) + cull.slack);
-    across_half_a[n] = cull.abs_across_A[n][0] * Load8(a.half[0]) +
-                       cull.abs_across_A[n][1] * Load8(a.half[1]) +
-                       cull.abs_across_A[n][2] * Load8(a.half[2]);
+  boxes->furthest = 0;
+  for (int j = 0; j < count; ++j) {
+    boxes->furthest = furthest[j] > boxes->furthest ? furthest[j] : boxes->furthest;
   }
-  float most = 0;
+}
+
+float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float bound[64]) {
+  const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
+  const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
+  SweptBoxes boxes;
+  if (cull.turn > 0) {
+    Turn(c, h, b.count, cull, &boxes);
+  } else {
+    Translate(c, h, cull, &boxes);
+  }
+  Float8 across_a[3];
+  alignas(32) float across_b[3][8];
+  for (int n = 0; n < cull.across_count; ++n) {
+    const Float8 half_a[3]{Load8(a.half[0]), Load8(a.half[1]), Load8(a.half[2])};
+    across_a[n] = Row(cull.abs_across_A[n], half_a);
+    Store8(across_b[n], Row(cull.abs_across_B[n], h) + cull.slack);
+  }
   for (int j = 0; j < b.count; ++j) {
-    most = furthest[j] > most ? furthest[j] : most;
     Float8 offset[3], squared{};
     for (int i = 0; i < 3; ++i) {
-      offset[i] = Load8(a.center[i]) - center[i][j];
-      const Float8 gap = Most(Absolute(offset[i]) - Load8(a.half[i]) - half[i][j], Float8{});
+      offset[i] = Load8(a.center[i]) - boxes.center[i][j];
+      Float8 gap = Absolute(offset[i]) - Load8(a.half[i]) - boxes.half[i][j];
+      gap = Most(gap, Float8{});
       squared = squared + gap * gap;
     }
     for (int n = 0; n < cull.across_count; ++n) {
       const Float8 along = Absolute(Row(cull.across[n], offset));
-      const Float8 gap = Most(along - across_half_a[n] - across_half[n][j], Float8{});
+      const Float8 gap = Most(along - across_a[n] - across_b[n][j], Float8{});
       squared = Most(squared, gap * gap);
     }
     Store8(bound + 8 * j, squared * 0.9999f);
   }
-  return most;
+  return boxes.furthest;
 }
 
 // Least and most of the three corners along the direction (8 lanes of facets).

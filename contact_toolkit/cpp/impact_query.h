@@ -1,0 +1,77 @@
+// The earliest time at which a pair of leaves comes as close as a separation.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "pair_advance.h"
+#include "swept.h"
+#include "swept_search.h"
+#include "tolerances.h"
+
+namespace contact_toolkit {
+
+class ImpactQuery {
+ public:
+  // any_time: the first impact found will do, it need not be the earliest.
+  ImpactQuery(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion, double separation,
+              double tolerance, bool any_time)
+      : A_(A),
+        B_(B),
+        motion_(motion),
+        separation_(separation),
+        tolerance_(tolerance),
+        any_time_(any_time) {}
+
+  float squared_reach(const TimeSlice& slice) const {
+    return slice.begin < end_ ? static_cast<float>(separation_ * separation_) : -1;
+  }
+  Vec3 direction() const { return direction_; }
+
+  void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
+    for (int i = 0; i < pairs.count; ++i)
+      Advance(pairs.pair[i].slot_a, pairs.pair[i].slot_b, slice);
+  }
+
+  const TimeOfImpact& answer() const { return best_; }
+
+ private:
+  void Advance(int slot_a, int slot_b, const TimeSlice& slice) {
+    double s = slice.begin;
+    for (int i = 0; s < end_; ++i) {
+      const PairAt pair(A_.points(slot_a), B_.points(slot_b), motion_, s, &scratch_);
+      direction_ = pair.gjk().normal;
+      const bool reached = pair.gjk().distance <= separation_ + tolerance_;
+      const double step = reached ? 0 : pair.SafeStep(separation_, 1);
+      if (s + step == s || i == kAdvanceSteps) {
+        Keep(slot_a, slot_b, s, pair.gjk(), reached);
+        return;
+      }
+      s += step;
+      if (s >= slice.end) return;
+    }
+  }
+
+  void Keep(int slot_a, int slot_b, double s, const GjkResult& gjk, bool reached) {
+    end_ = any_time_ ? -1 : s;
+    best_.time = s;
+    best_.distance = gjk.distance;
+    best_.p_ACa = gjk.p_A, best_.p_ACb = gjk.p_B;
+    best_.normal_A = Normalized(gjk.p_A - gjk.p_B);
+    best_.index_a = A_.index(slot_a), best_.index_b = B_.index(slot_b);
+    best_.status = !reached ? ImpactStatus::kIterationLimit
+                   : s == 0 ? ImpactStatus::kInitialContact
+                            : ImpactStatus::kImpact;
+  }
+
+  const ConvexLeaves &A_, &B_;
+  const Motion& motion_;
+  const double separation_, tolerance_;
+  const bool any_time_;
+  std::vector<Vec3> scratch_;
+  Vec3 direction_;
+  double end_ = 2;  // nothing from here on matters
+  TimeOfImpact best_;
+};
+
+}  // namespace contact_toolkit
