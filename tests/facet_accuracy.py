@@ -1,6 +1,7 @@
 """Worst errors of the queries on two single facets, judged in rational arithmetic."""
 
 from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -9,19 +10,29 @@ from facet_cases import Pairs
 from numpy.typing import NDArray
 from poses import pose, random_rotation
 
-from contact_toolkit import CollisionMesh, distance, signed_distance, witness_pairs
+from contact_toolkit import (
+    CollisionMesh,
+    distance,
+    signed_distance,
+    swept_distance,
+    witness_pairs,
+)
 
 Array = NDArray[np.float64]
 
 
 class Answer(NamedTuple):
-    """What a query says of two facets in A: their distance and the closest points."""
+    """What a query says of two facets in A: their distance and the closest points.
+
+    Beside it the facets that these points belong to, and the exact squared distance.
+    """
 
     distance: float
     p_ACa: Array
     p_ACb: Array
     facet_a: Sequence
     facet_b: Sequence
+    exact_squared: Fraction
 
 
 class Errors(NamedTuple):
@@ -44,15 +55,15 @@ class Errors(NamedTuple):
 
 
 def ask_distance(s: Array, t: Array, X_AB: Array, _reach: float) -> Iterator[Answer]:
-    A, B = _mesh(s), _mesh(t)
-    found = distance(A, B, X_AB)
-    yield Answer(found.distance, found.p_ACa, found.p_ACb, s, exact.posed(X_AB, t))
+    found, t_in_a = distance(_mesh(s), _mesh(t), X_AB), exact.posed(X_AB, t)
+    squared = exact.squared_distance(s, t_in_a)
+    yield Answer(found.distance, found.p_ACa, found.p_ACb, s, t_in_a, squared)
 
 
 def ask_witness_pairs(s: Array, t: Array, X_AB: Array, reach: float) -> Iterator[Answer]:
-    found = witness_pairs(_mesh(s), _mesh(t), X_AB, reach)
+    found, t_in_a = witness_pairs(_mesh(s), _mesh(t), X_AB, reach), exact.posed(X_AB, t)
     (row,) = zip(found.distance, found.p_ACa, found.p_ACb, strict=True)
-    yield Answer(*row, s, exact.posed(X_AB, t))
+    yield Answer(*row, s, t_in_a, exact.squared_distance(s, t_in_a))
 
 
 def ask_signed_distance(s: Array, t: Array, X_AB: Array, _reach: float) -> Iterator[Answer]:
@@ -62,7 +73,23 @@ def ask_signed_distance(s: Array, t: Array, X_AB: Array, _reach: float) -> Itera
     points = np.vstack([t[0], t.mean(axis=0)]) @ X_AB[:3, :3].T + X_AB[:3, 3]
     found = signed_distance(_mesh(s, closed=True), points)
     for d, foot, point in zip(found.distance, found.p_ACa, points, strict=True):
-        yield Answer(abs(d), foot, point, s, [point] * 3)
+        squared = exact.squared_distance(s, [point] * 3)
+        yield Answer(abs(d), foot, point, s, [point] * 3, squared)
+
+
+def ask_swept_distance(s: Array, t: Array, X_AB: Array, _reach: float) -> Iterator[Answer]:
+    """`t` moved along its own first edge, and half-way to the middle of `s`."""
+    t_in_a = t @ X_AB[:3, :3].T + X_AB[:3, 3]
+    for shift in (t_in_a[1] - t_in_a[0], (s.mean(axis=0) - t_in_a.mean(axis=0)) / 2):
+        X_end = pose(X_AB[:3, :3], tuple(X_AB[:3, 3] + shift))
+        found = swept_distance(_mesh(s), _mesh(t), X_AB, X_end)
+        start, end = exact.posed(X_AB, t), exact.posed(X_end, t)
+        then = [
+            [a + Fraction(found.time) * (b - a) for a, b in zip(*corners, strict=True)]
+            for corners in zip(start, end, strict=True)
+        ]
+        squared = exact.squared_swept_distance(s, start, end)
+        yield Answer(found.distance, found.p_ACa, found.p_ACb, s, then, squared)
 
 
 Query = Callable[[Array, Array, Array, float], Iterator[Answer]]
@@ -70,6 +97,7 @@ QUERIES: dict[str, Query] = {
     "distance": ask_distance,
     "witness_pairs": ask_witness_pairs,
     "signed_distance": ask_signed_distance,
+    "swept_distance": ask_swept_distance,
 }
 
 

@@ -16,7 +16,7 @@ Rng = np.random.Generator
 
 WELL_POSED = 1e-12  # worst error allowed, as a share of the coordinates' size
 NEAR_DEGENERATE = 1e-9
-_COUNT = 200
+_COUNT = 120
 
 
 def apart(rng: Rng) -> Pairs:

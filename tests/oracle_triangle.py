@@ -23,6 +23,21 @@ def squared_distance(s: Iterable, t: Iterable) -> Fraction:
     return min(_candidates(s, t)) * unit * unit
 
 
+def squared_swept_distance(s: Sequence, start: Sequence, end: Sequence) -> Fraction:
+    """Least squared distance from triangle `s` to one shifted straight from `start` to `end`.
+
+    The shifted triangle fills a prism. Either `s` lies wholly inside, and so does its first corner,
+    or the least distance is to the prism's surface.
+    """
+    start, end = ([[_fraction(x) for x in corner] for corner in t] for t in (start, end))
+    (p, *_), (a, b, c), (d, e, f) = s, start, end
+    swept_back = [_fraction(x) + y - z for x, y, z in zip(p, a, d, strict=True)]
+    if squared_distance([p, swept_back, swept_back], start) == 0:
+        return Fraction(0)
+    sides = [(a, b, e), (a, e, d), (b, c, f), (b, f, e), (c, a, d), (c, d, f)]
+    return min(squared_distance(s, side) for side in (start, end, *sides))
+
+
 def distance(s: Iterable, t: Iterable) -> float:
     """Least distance between triangles `s` and `t`, correctly rounded but for the last bit."""
     return float(_root(squared_distance(s, t)))
