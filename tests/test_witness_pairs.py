@@ -294,6 +294,20 @@ def test_touching_faces():
     found = witness_pairs(A, A, pose(p=(1, 0, 0)), 1e-6, merge=False)
     assert (found.distance == 0).all()
     assert len(found.distance) == len(brute.facet_pairs(A, A, pose(p=(1, 0, 0)), 1e-9))
+    facing = (A.face_normals[found.facet_a] == [1, 0, 0]).all(axis=1)
+    facing &= (A.face_normals[found.facet_b] == [-1, 0, 0]).all(axis=1)
+    assert np.count_nonzero(facing) == 4
+    np.testing.assert_array_equal(found.normal_A[facing], [[-1, 0, 0]] * 4)
+
+
+def test_crossing_normals_push_out():
+    """Without a distance to point along, the windings tell where out of B and into A is."""
+    A, B = _upright_cube(), _upright_cube()
+    found = witness_pairs(A, B, pose(p=(0.99, 0.02, 0.01)), 1e-6, merge=False)
+    crossing = found.distance == 0
+    assert crossing.sum() > 4
+    assert (found.normal_A[crossing, 0] <= 0).all()
+    assert found.normal_A[crossing].mean(axis=0)[0] < -0.1
 
 
 def test_nested_far_inside_finds_nothing():
