@@ -25,8 +25,9 @@ def AddNonlinearDamperContact(
     """Let bodies of a plant touch by the nonlinear damper instead of Drake's own contact.
 
     The collision geometries of the chosen pairs are taken away from built-in contact; all other
-    pairs keep it. Pairs that the user filtered stay filtered. Forces already connected to the
-    plant's force input ports are added to.
+    pairs keep it. Pairs that the user filtered stay filtered, so a second call takes what the first
+    has left. Forces already connected to the plant's force input ports are added to; connect others
+    before, not after.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def AddNonlinearDamperContact(
     Returns
     -------
     NonlinearDamperContact
-        Added to the builder under the name "contact" and connected.
+        Added to the builder, as "contact" unless there is one, and connected.
 
     Raises
     ------
@@ -52,6 +53,8 @@ def AddNonlinearDamperContact(
     """
     if not plant.is_finalized():
         raise ValueError("plant must be finalized before contact is added: call plant.Finalize()")
+    if not plant.geometry_source_is_registered():
+        raise ValueError("plant has no geometry: register it with the scene graph")
     config = ContactConfig() if config is None else config
     names = BodyNames(plant)
     pairs = choose_geometry_pairs(plant, scene_graph.model_inspector(), names, config.pairs)
@@ -59,10 +62,11 @@ def AddNonlinearDamperContact(
     contact = NonlinearDamperContact(
         plant, model, bodies, max_step=config.max_step, when_deep=config.when_deep
     )
-    contact.set_name("contact")
-
     take_over_pairs(scene_graph, plant.get_source_id(), pairs)
-    builder.AddSystem(contact)
+    if builder.HasSubsystemNamed("contact"):
+        builder.AddSystem(contact)
+    else:
+        builder.AddNamedSystem("contact", contact)
     if contact.uses_state:
         builder.Connect(plant.get_state_output_port(), contact.get_state_input_port())
         add_generalized_force(

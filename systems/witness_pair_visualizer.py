@@ -77,7 +77,7 @@ class WitnessPairVisualizer(LeafSystem):
             force_scale=force_scale,
             record=record,
         )
-        builder.AddNamedSystem("witness_pair_visualizer", visualizer)
+        builder.AddNamedSystem(f"witness_pair_visualizer({path})", visualizer)
         builder.Connect(contact.get_contacts_output_port(), visualizer.get_contacts_input_port())
         return visualizer
 

@@ -18,6 +18,7 @@ from pydrake.geometry import (
     ProximityProperties,
     Role,
     RoleAssign,
+    SceneGraph,
 )
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
@@ -26,6 +27,7 @@ from pydrake.multibody.plant import (
     CalcContactFrictionFromSurfaceProperties,
     CoulombFriction,
     ExternallyAppliedSpatialForce,
+    MultibodyPlant,
 )
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
@@ -381,6 +383,14 @@ def test_plant_must_be_finalized():
         AddNonlinearDamperContact(builder, plant, scene_graph)
 
 
+def test_plant_must_have_geometry():
+    plant = MultibodyPlant(0.0)
+    plant.Finalize()
+    builder = DiagramBuilder()
+    with pytest.raises(ValueError, match="register it with the scene graph"):
+        AddNonlinearDamperContact(builder, plant, builder.AddSystem(SceneGraph()))
+
+
 def test_forces_already_applied_are_added_to():
     """A thruster and contact both act, through either force port, whatever was connected first."""
     boxes = Boxes("a")
@@ -420,6 +430,24 @@ def test_lists_of_forces_already_applied_are_added_to():
     assert len(vertical) == 2
     assert 7.0 in vertical
     assert min(vertical) < 0  # contact pushes the lower box down
+
+
+def test_second_call_takes_the_pairs_the_first_has_left_and_adds_its_forces():
+    boxes = Boxes()
+    first = boxes.add(pairs=[["world", "a"]])
+    second = boxes.add()
+    assert touching_bodies(second) == pairs("world-b", "a-b")
+    diagram = boxes.builder.Build()
+    context = boxes.context(diagram, a=0.105, b=0.105)
+    force = boxes.plant.get_applied_generalized_force_input_port().Eval(
+        boxes.plant.GetMyContextFromRoot(context)
+    )
+    alone = [
+        contact.get_generalized_forces_output_port().Eval(contact.GetMyContextFromRoot(context))
+        for contact in (first, second)
+    ]
+    assert all(each.any() for each in alone)
+    np.testing.assert_array_equal(force, sum(alone))
 
 
 def test_exported_force_port_is_refused_with_the_mend():
