@@ -19,7 +19,11 @@ from pydrake.multibody.tree import (
     SpatialInertia,
     UnitInertia,
 )
-from pydrake.systems.analysis import Simulator
+from pydrake.systems.analysis import (
+    GetIntegrationSchemes,
+    ResetIntegratorFromFlags,
+    Simulator,
+)
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from contact_toolkit import NonlinearDamper
@@ -179,6 +183,20 @@ def test_floating_bodies_move_the_same_through_state_and_through_lists(time_step
     fast = end_state(Tumble(time_step=time_step), 0.2, accuracy=1e-7)
     slow = end_state(Tumble(time_step=time_step, lists_only=True), 0.2, accuracy=1e-7)
     np.testing.assert_allclose(fast, slow, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("scheme", GetIntegrationSchemes())
+def test_every_integrator_runs(scheme):
+    """Third order ones agree; the others run, as accurate as they are."""
+    tumble = Tumble()
+    simulator = tumble.simulator()
+    ResetIntegratorFromFlags(simulator, scheme, 1e-3)
+    simulator.AdvanceTo(0.15)
+    lost = tumble.energies(simulator)[2]
+    if scheme in ("bogacki_shampine3", "radau3", "runge_kutta3", "runge_kutta5"):
+        assert lost == pytest.approx(0.4545, rel=0.01)
+    else:
+        assert lost > 0
 
 
 def by_default(plant: MultibodyPlant, body: RigidBody) -> None:
