@@ -212,11 +212,12 @@ def test_results_are_read_only():
             array[0] = 0
 
 
-def test_reading_an_accepted_step_again_costs_no_search():
+def test_reading_an_accepted_step_again_costs_nothing():
     model, X_FB, V_FB = crowd()
     forces = model.evaluate(X_FB, V_FB)
     table = model.advance(model.initial_table(), 0.5, forces)
     assert model.find(X_FB, table) is forces.found
+    assert model.evaluate(X_FB, V_FB, table) is model.forces(forces.found, V_FB, table)
     assert model.find(X_FB) is not forces.found
     X_FB[0, 0, 3] += 1e-12
     assert model.find(X_FB, table) is not forces.found

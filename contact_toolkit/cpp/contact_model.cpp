@@ -33,7 +33,8 @@ ContactModel::ContactModel(int num_bodies, std::vector<ContactGeometry> geometri
     : num_bodies_(num_bodies),
       geometries_(std::move(geometries)),
       pairs_(std::move(pairs)),
-      threads_(threads) {}
+      threads_(threads),
+      has_anchors_(std::ranges::any_of(pairs_, &Friction::anchored, &ContactPair::friction)) {}
 
 Pose ContactModel::PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const {
   const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
@@ -87,6 +88,16 @@ std::shared_ptr<const Found> ContactModel::Find(std::span<const Pose> X_FB,
 std::shared_ptr<const Forces> ContactModel::ComputeForces(std::shared_ptr<const Found> found,
                                                           std::span<const Twist> V_FB,
                                                           const StepTable* table) const {
+  if (table && table->forces && table->forces->found == found &&
+      SameBits<Twist>(table->forces->V_FB, V_FB)) {
+    return table->forces;
+  }
+  return PushBack(std::move(found), V_FB, table);
+}
+
+std::shared_ptr<const Forces> ContactModel::PushBack(std::shared_ptr<const Found> found,
+                                                     std::span<const Twist> V_FB,
+                                                     const StepTable* table) const {
   const std::shared_ptr<Forces> forces = forces_stock_.Take();
   forces->found = found;
   forces->V_FB.assign(V_FB.begin(), V_FB.end());
@@ -147,8 +158,9 @@ Energetics ContactModel::Lost(const StepTable& table, const Forces& end, double 
   Energetics sum = start.energetics;
   sum += end.energetics;
   const double lost = 0.5 * duration * (sum.damping_power + std::abs(sum.tangential_power));
-  const double stored = sum.stored_normal + sum.stored_tangential;
-  if (lost <= kLedgerTolerance * (stored + table.damping_loss + table.friction_loss)) {
+  const double energy =
+      sum.stored_normal + sum.stored_tangential + table.damping_loss + table.friction_loss;
+  if (lost <= kLedgerTolerance * energy) {
     sum *= 0.5 * duration;
     return sum;
   }
@@ -180,7 +192,7 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
     last = nullptr;
   }
   if (forces->table_id != table->id) {
-    forces = ComputeForces(forces->found, forces->V_FB, table.get());
+    forces = PushBack(forces->found, forces->V_FB, table.get());
   }
   const auto next = std::make_shared<StepTable>();
   next->id = NextTableId();
@@ -205,7 +217,9 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
     state.memory = pair.web->Remember(last_X_AB, loaded.X_AB, state.memory);
     next->pairs[i] = std::move(state);
   });
-  next->forces = std::move(forces);
+  next->forces = forces;
+  // What was dragged pulls differently from here on, and the next step starts with that.
+  if (has_anchors_) next->forces = PushBack(forces->found, forces->V_FB, next.get());
   return next;
 }
 

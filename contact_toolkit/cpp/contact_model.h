@@ -27,7 +27,8 @@ class ContactModel {
   // step nothing is computed. The table may be null, here and below.
   std::shared_ptr<const Found> Find(std::span<const Pose> X_FB, const StepTable* table) const;
 
-  // Their forces at one velocity a body, in F. Without a table every contact is new.
+  // Their forces at one velocity a body, in F. Without a table every contact is new. At the very
+  // poses and velocities of the table's step nothing is computed.
   std::shared_ptr<const Forces> ComputeForces(std::shared_ptr<const Found> found,
                                               std::span<const Twist> V_FB,
                                               const StepTable* table) const;
@@ -38,6 +39,9 @@ class ContactModel {
                                            std::shared_ptr<const Forces> forces) const;
 
  private:
+  std::shared_ptr<const Forces> PushBack(std::shared_ptr<const Found> found,
+                                         std::span<const Twist> V_FB, const StepTable* table) const;
+
   // Pose of a pair's geometry B in its geometry A.
   Pose PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const;
   // Motion of a pair's geometry A relative to its geometry B about A's origin, expressed in A.
@@ -52,6 +56,7 @@ class ContactModel {
   std::vector<ContactGeometry> geometries_;
   std::vector<ContactPair> pairs_;
   int threads_;
+  bool has_anchors_;  // some pair has
   mutable Recycler<Found> found_stock_;
   mutable Recycler<Forces> forces_stock_;
 };

@@ -76,8 +76,8 @@ inline constexpr double kShortestSlice = 1e-9;
 // larger one lasts longer and costs more.
 inline constexpr double kCandidateSlack = 0.25;
 
-// [-] A step that loses less than this share of the energy stored and lost before is summed up by
-// the trapezoidal rule, from what is known: a body at rest costs nothing more.
+// [-] A step that loses less than this share of the energy stored and lost so far is summed up from
+// its ends alone: a body at rest costs nothing more.
 inline constexpr double kLedgerTolerance = 1e-7;
 
 // [-] Slack of the boxes' overlap test between bodies, as a share of their coordinates: some fifty
