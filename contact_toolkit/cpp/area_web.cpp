@@ -23,7 +23,10 @@ constexpr double kSmoothedCells = 1.5;   // by which the smooth field flattens t
 class ExactProbe {
  public:
   static constexpr bool kTellsSide = true;
-  explicit ExactProbe(const ProbedSurface& surface) : surface_(surface) {}
+  ExactProbe(const ProbedSurface& surface, const DistanceBounds& bounds)
+      : surface_(surface), bounds_(bounds) {}
+  // Whether the node at p certainly bears no load, found with less work than probing.
+  bool Spares(const Vec3& p, double standoff) const { return bounds_.Beyond(p, 0, standoff); }
   FieldValue operator()(const Vec3& p) {
     const FieldValue value = surface_.Probe(p, hint_);
     hint_ = value.slot;
@@ -32,17 +35,25 @@ class ExactProbe {
 
  private:
   const ProbedSurface& surface_;
+  const DistanceBounds& bounds_;
   std::int32_t hint_ = -1;
 };
 
 class SmoothProbe {
  public:
   static constexpr bool kTellsSide = false;
-  explicit SmoothProbe(const SmoothField& field) : field_(field) {}
+  SmoothProbe(const SmoothField& field, const DistanceBounds& bounds)
+      : field_(field), bounds_(bounds) {}
+  bool Spares(const Vec3& p, double standoff) {
+    const SmoothField::Above above = field_.IsAbove(p, standoff, &cursor_);
+    if (above != SmoothField::Above::kUnknown) return above == SmoothField::Above::kYes;
+    return bounds_.Beyond(p, 0, standoff + SmoothField::kDeviation * field_.cell());
+  }
   FieldValue operator()(const Vec3& p) { return field_.Probe(p, &cursor_); }
 
  private:
   const SmoothField& field_;
+  const DistanceBounds& bounds_;
   SmoothField::Cursor cursor_;
 };
 
@@ -86,7 +97,7 @@ class AreaWeb::Finder {
         for (std::int32_t i = first; i < last; ++i) Load(patch_->triangles[i]);
       });
       Emit(index);
-      for (const std::int32_t node : touched_) nodes_[node] = Node{};
+      for (const std::int32_t node : touched_) nodes_[node].state = State::kUntouched;
       touched_.clear();
     });
   }
@@ -106,8 +117,10 @@ class AreaWeb::Finder {
     Node& node = nodes_[index];
     if (node.state == State::kUntouched) {
       touched_.push_back(index);
+      ++springs_.facet_pairs;
+      node.integral = 0;
       node.p = X_PS_ * patch_->nodes[index];
-      if (web_.bounds_->Beyond(node.p, 0, reach_)) {
+      if (probe_.Spares(node.p, web_.options_.standoff)) {
         node.state = State::kFar;
       } else {
         ProbeAt(&node);
@@ -120,7 +133,6 @@ class AreaWeb::Finder {
     node->field = probe_(node->p);
     node->deformation = web_.options_.standoff - node->field.phi;
     node->state = State::kProbed;
-    ++springs_.facet_pairs;
   }
 
   void Load(const AreaPatch::Triangle& triangle) {
@@ -255,9 +267,9 @@ double AreaWeb::reach() const { return options_.standoff + SmoothField::kDeviati
 void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   springs->clear();
   if (smooth_) {
-    Finder<SmoothProbe>(*this, SmoothProbe(*smooth_), X_AB, springs).Run();
+    Finder<SmoothProbe>(*this, SmoothProbe(*smooth_, *bounds_), X_AB, springs).Run();
   } else {
-    Finder<ExactProbe>(*this, ExactProbe(*surface_), X_AB, springs).Run();
+    Finder<ExactProbe>(*this, ExactProbe(*surface_, *bounds_), X_AB, springs).Run();
   }
   if (fillets_) fillets_->AddSprings(X_AB, springs);
 }

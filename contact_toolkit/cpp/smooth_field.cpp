@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace contact_toolkit {
+namespace {
+
+// The first of the three lattice points whose basis functions reach x: the one before the closest.
+std::int32_t LowestPoint(double x) { return static_cast<std::int32_t>(std::floor(x + 0.5)) - 1; }
+
+}  // namespace
 
 // A node of the tree over the bricks: of the lowest level it holds bricks, else branches.
 struct SmoothField::Branch {
@@ -65,8 +71,28 @@ void SmoothField::Coefficients(const std::array<std::int32_t, 3>& first,
   }
 }
 
-// Null where nothing is kept: far outside, or when there are too many.
-const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 3>& brick) const {
+void SmoothField::Fill(const std::array<std::int32_t, 3>& brick, Brick* filled) const {
+  Coefficients<kPoints>({brick[0] * kBrick, brick[1] * kBrick, brick[2] * kBrick},
+                        filled->coefficients.data());
+  float* least = filled->least.data();
+  for (int i = 0; i < kBrick; ++i) {
+    for (int j = 0; j < kBrick; ++j) {
+      for (int k = 0; k < kBrick; ++k) {
+        double lowest = HUGE_VAL;
+        for (int n = 0; n < 27; ++n) {
+          const int x = i + n / 9, y = j + n / 3 % 3, z = k + n % 3;
+          lowest = std::min(lowest, filled->coefficients[(x * kPoints + y) * kPoints + z]);
+        }
+        *least++ = std::nextafter(static_cast<float>(lowest), -HUGE_VALF);
+      }
+    }
+  }
+}
+
+// Null where nothing is kept (far outside, or when there are too many), or nothing is there and
+// `make` is not set.
+const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 3>& brick,
+                                                 bool make) const {
   std::int64_t span = 1;  // bricks a child of this level has a side
   for (int level = 1; level < levels_; ++level) span *= kFanout;
   const std::int64_t half = span * kFanout / 2;
@@ -84,20 +110,38 @@ const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 
     }
     if (level == 0) {
       const FirstTouch<Brick>& slot = branch->bricks[child];
-      if (const Brick* found = slot.Peek()) return found;
+      const Brick* found = slot.Peek();
+      if (found || !make) return found;
       if (bricks_.fetch_add(1, std::memory_order_relaxed) >= kMostBricks) {
         bricks_.fetch_sub(1, std::memory_order_relaxed);
         return nullptr;
       }
       return &slot.Get([&] {
         auto* made = new Brick;
-        Coefficients<kPoints>({brick[0] * kBrick, brick[1] * kBrick, brick[2] * kBrick},
-                              made->coefficients.data());
+        Fill(brick, made);
         return made;
       });
     }
-    branch = &branch->branches[child].Get([&] { return new Branch(level - 1); });
+    const FirstTouch<Branch>& slot = branch->branches[child];
+    branch = make ? &slot.Get([&] { return new Branch(level - 1); }) : slot.Peek();
+    if (!branch) return nullptr;
   }
+}
+
+SmoothField::Above SmoothField::IsAbove(const Vec3& p, double level, Cursor* cursor) const {
+  std::array<std::int32_t, 3> brick;
+  int cell = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int base = LowestPoint((p[i] - origin_[i]) / cell_);
+    brick[i] = base >> kBrickBits;
+    cell = cell * kBrick + (base & (kBrick - 1));
+  }
+  if (brick != cursor->brick_ || !cursor->found_) {
+    cursor->brick_ = brick;
+    cursor->found_ = FindBrick(brick, false);
+  }
+  if (!cursor->found_) return Above::kUnknown;
+  return cursor->found_->least[cell] > level ? Above::kYes : Above::kMaybeNot;
 }
 
 FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
@@ -107,25 +151,24 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
   double w[3][3], dw[3][3];
   for (int i = 0; i < 3; ++i) {
     const double x = (p[i] - origin_[i]) / cell_;
-    const double closest = std::floor(x + 0.5);
-    const double t = x - closest;  // in [-1/2, 1/2]
-    base[i] = static_cast<std::int32_t>(closest) - 1;
-    brick[i] = base[i] >> 3;
+    base[i] = LowestPoint(x);
+    brick[i] = base[i] >> kBrickBits;
+    const double t = x - (base[i] + 1);  // in [-1/2, 1/2]
     w[i][0] = 0.5 * (0.5 - t) * (0.5 - t), w[i][1] = 0.75 - t * t;
     w[i][2] = 0.5 * (0.5 + t) * (0.5 + t);
     dw[i][0] = t - 0.5, dw[i][1] = -2 * t, dw[i][2] = t + 0.5;
   }
-  static_assert(kBrick == 1 << 3);
+  if (brick != cursor->brick_ || !cursor->found_) {
+    cursor->brick_ = brick;
+    cursor->found_ = FindBrick(brick, true);
+  }
   double few[3 * 3 * 3];
   const double* first;
   int row = kPoints, plane = kPoints * kPoints;
-  if (brick != cursor->brick || cursor->coefficients == nullptr) {
-    const Brick* found = FindBrick(brick);
-    cursor->brick = brick;
-    cursor->coefficients = found ? found->coefficients.data() : nullptr;
-  }
-  if (cursor->coefficients) {
-    first = cursor->coefficients + (base[0] & 7) * plane + (base[1] & 7) * row + (base[2] & 7);
+  if (cursor->found_) {
+    constexpr int kMask = kBrick - 1;
+    first = cursor->found_->coefficients.data() + (base[0] & kMask) * plane +
+            (base[1] & kMask) * row + (base[2] & kMask);
   } else {
     Coefficients<3>(base, few);
     first = few, row = 3, plane = 9;

@@ -26,29 +26,34 @@ class SmoothField {
   double cell() const { return cell_; }
 
   // Remembers the last brick between neighbouring points; one a thread.
-  struct Cursor {
-    std::array<std::int32_t, 3> brick{INT32_MIN, 0, 0};
-    const double* coefficients = nullptr;
-  };
+  class Cursor;
   FieldValue Probe(const Vec3& p, Cursor* cursor) const;
+
+  // Whether phi exceeds `level` throughout the cell around p, told from what is already computed.
+  enum class Above { kYes, kMaybeNot, kUnknown };
+  Above IsAbove(const Vec3& p, double level, Cursor* cursor) const;
 
   // [-] Cells by which the field and the distance differ at most: the distance changes no faster
   // than the point moves, so the spline adds √(3/4), and the second differences an eighth of 6.
   static constexpr double kDeviation = 1.62;
 
  private:
-  static constexpr int kBrick = 8;             // cells a side
-  static constexpr int kPoints = kBrick + 2;   // coefficients a side
-  static constexpr int kFanout = 16;           // children a side of the tree over the bricks
-  static constexpr int kMostBricks = 1 << 16;  // half a gigabyte; what is beyond is not kept
+  static constexpr int kBrickBits = 3;
+  static constexpr int kBrick = 1 << kBrickBits;  // cells a side
+  static constexpr int kPoints = kBrick + 2;      // coefficients a side
+  static constexpr int kFanout = 16;              // children a side of the tree over the bricks
+  static constexpr int kMostBricks = 1 << 16;     // half a gigabyte; what is beyond is not kept
   struct Brick {
     std::array<double, kPoints * kPoints * kPoints> coefficients;
+    // Of the 27 coefficients over each cell: the spline is a mean of them.
+    std::array<float, kBrick * kBrick * kBrick> least;
   };
   struct Branch;
 
   template <int n>
   void Coefficients(const std::array<std::int32_t, 3>& first, double* coefficients) const;
-  const Brick* FindBrick(const std::array<std::int32_t, 3>& brick) const;
+  void Fill(const std::array<std::int32_t, 3>& brick, Brick* filled) const;
+  const Brick* FindBrick(const std::array<std::int32_t, 3>& brick, bool make) const;
 
   std::shared_ptr<const ProbedSurface> surface_;
   Vec3 origin_;  // lattice point (0, 0, 0)
@@ -56,6 +61,13 @@ class SmoothField {
   int levels_ = 1;  // of branches above the bricks
   std::unique_ptr<Branch> root_;
   mutable std::atomic<int> bricks_{0};
+};
+
+class SmoothField::Cursor {
+ private:
+  friend class SmoothField;
+  std::array<std::int32_t, 3> brick_{INT32_MIN, 0, 0};
+  const Brick* found_ = nullptr;
 };
 
 }  // namespace contact_toolkit
