@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from contact_toolkit import (
     CollisionMesh,
     ImpactStatus,
+    _core,
     distance,
     intersects,
     swept_distance,
@@ -325,3 +326,22 @@ def test_bad_arguments_are_named():
         swept_distance_batch(A, B, [X, X], [X])
     with pytest.raises(ValueError, match="threads"):
         swept_distance_batch(A, B, [X], [X], threads=0)
+
+
+def test_same_bits_on_every_instruction_set():
+    """Culling that depends on the width of the vectors."""
+    A, B = _MESHES["doughnut"], _MESHES["soup"]
+    rng = np.random.default_rng(2)
+    motions = [_random_motion(rng, turn=rng.choice([0, 0.3])) for _ in range(40)]
+    start, end = (np.array(poses) for poses in zip(*motions, strict=True))
+    chosen = _core.simd()
+    answers = []
+    for name in ("scalar", "avx2", "avx512"):
+        try:
+            _core.select_simd(name)
+        except ValueError:
+            continue  # not on this processor
+        found = swept_distance_batch(A, B, start, end), time_of_impact_batch(A, B, start, end)
+        answers.append(b"".join(column.tobytes() for f in found for column in vars(f).values()))
+    _core.select_simd(chosen)
+    assert len(set(answers)) == 1
