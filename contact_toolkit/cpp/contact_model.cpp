@@ -167,7 +167,7 @@ Energetics ContactModel::Lost(const StepTable& table, const Forces& end, double 
   std::vector<Pose> X_FB(num_bodies_);
   std::vector<Twist> V_FB(num_bodies_);
   for (int i = 0; i < num_bodies_; ++i) {
-    const Motion halfway =
+    const BodyState halfway =
         Halfway({start.found->X_FB[i], start.V_FB[i]}, {end.found->X_FB[i], end.V_FB[i]}, duration);
     X_FB[i] = halfway.X_FB;
     V_FB[i] = halfway.V_FB;

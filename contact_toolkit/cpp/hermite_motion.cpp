@@ -41,7 +41,7 @@ Vec3 RateOf(const Vec3& v, const Vec3& angular_velocity) {
 
 }  // namespace
 
-Motion Halfway(const Motion& start, const Motion& end, double duration) {
+BodyState Halfway(const BodyState& start, const BodyState& end, double duration) {
   const auto position = [duration](const Vec3& way, const Vec3& v0, const Vec3& v1) {
     return 0.5 * way + duration / 8 * (v0 - v1);
   };

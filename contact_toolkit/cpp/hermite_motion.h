@@ -8,11 +8,11 @@
 
 namespace contact_toolkit {
 
-struct Motion {
+struct BodyState {
   Pose X_FB;
   Twist V_FB;
 };
 
-Motion Halfway(const Motion& start, const Motion& end, double duration);
+BodyState Halfway(const BodyState& start, const BodyState& end, double duration);
 
 }  // namespace contact_toolkit
