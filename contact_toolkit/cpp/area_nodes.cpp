@@ -15,7 +15,8 @@ namespace {
 constexpr double kFinest = 0.25;      // spacing on sharp edges, as a share of the spacing elsewhere
 constexpr double kGradedOver = 2;     // spacings over which it grows back
 constexpr int kPatchTriangles = 400;  // aimed at
-constexpr double kPatchSpacings = 16;  // the longest edge of a patch's roots
+constexpr double kPatchSpacings = 16;   // the longest edge of a patch's roots
+constexpr double kMostPatches = 50000;  // about: a plate of sheet metal under a pea has large ones
 constexpr int kLeafTriangles = 16;
 
 Sphere SphereAround(const Vec3* points, std::size_t count) {
@@ -112,7 +113,8 @@ void AreaNodes::Cut(const Corners& t, const Stop& stop, const Emit& emit) const 
 }
 
 void AreaNodes::BuildPatches() {
-  const double longest = kPatchSpacings * spacing_;
+  const double longest =
+      std::max(kPatchSpacings * spacing_, 2 * std::sqrt(mesh_->area() / kMostPatches));
   const auto small = [&](const Corners& t) {
     return std::max({SquaredNorm(t[1] - t[0]), SquaredNorm(t[2] - t[1]),
                      SquaredNorm(t[0] - t[2])}) <= longest * longest;
