@@ -6,6 +6,7 @@ import oracle_brute_force as brute
 import oracle_triangle as exact
 import pytest
 from poses import pose, random_pose
+from scipy.spatial.transform import Rotation
 
 from contact_toolkit import CollisionMesh, MeshError, distance, intersects, witness_pairs
 
@@ -178,3 +179,14 @@ def test_standoff_beyond_everything():
     for standoff in (1e3, 1e18, 1e200):
         found = witness_pairs(A, B, pose(p=(2, 0, 0)), standoff, merge=False)
         assert len(found) == len(A.faces) * len(B.faces)
+
+
+def test_facet_without_area_through_a_facet():
+    """Its plane is rounding: facets that cross must not be told apart by it."""
+    A = CollisionMesh([[-2.0, 1, 4], [4, 1, 2], [-3, 2, 2]], [[0, 1, 2]])
+    B = CollisionMesh([[-3.0, -3, -3], [-2, 0, 2], [-1, 3, 7]], [[0, 1, 2]])
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        X_AB = np.eye(4)
+        X_AB[:3, :3] = Rotation.from_rotvec(1e-9 * rng.normal(size=3)).as_matrix()
+        assert distance(A, B, X_AB).distance == 0

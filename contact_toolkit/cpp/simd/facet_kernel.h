@@ -179,10 +179,14 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   best.Challenge(edges);
   best.Challenge(insides);
 
-  // Crossing: neither facet lies on one side of the other's plane, and there is an edge from corner
-  // i to corner k that passes the other plane inside the facet.
-  const auto on_both_sides = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
-                             ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
+  // Crossing: there is an edge from corner i to corner k that passes the other plane inside the
+  // facet. Not when a facet lies on one side of the other's plane; but a facet without area has only
+  // a plane made of rounding, so the careful kernel looks in any case.
+  auto on_both_sides = zero == zero;
+  if constexpr (!careful) {
+    on_both_sides = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
+                    ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
+  }
   auto crossing = zero != zero;
   if (Any(on_both_sides)) {
     for (int e = 0; e < 3; ++e) {
