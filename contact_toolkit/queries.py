@@ -183,6 +183,11 @@ class WitnessCache:
         """How often facet pairs had to be gathered anew."""
         return self._core.gathered
 
+    @property
+    def measured(self) -> int:
+        """How many facet pairs the last query measured from scratch."""
+        return self._core.measured
+
 
 def _require_standoff(standoff: float) -> None:
     if not (np.isfinite(standoff) and standoff >= 0):

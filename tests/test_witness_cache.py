@@ -6,7 +6,7 @@ import pytest
 from poses import pose, random_pose, random_rotation
 from scipy.spatial.transform import Rotation
 
-from contact_toolkit import CollisionMesh, WitnessCache, witness_pairs
+from contact_toolkit import CollisionMesh, WitnessCache, _core, witness_pairs
 
 pytestmark = pytest.mark.engine
 
@@ -20,7 +20,9 @@ SHAPE_PAIRS = {
 
 def _same(cached, cold):
     for name, column in vars(cold).items():
-        np.testing.assert_array_equal(getattr(cached, name), column, err_msg=name)
+        found = getattr(cached, name)
+        np.testing.assert_array_equal(found, column, err_msg=name)
+        assert found.tobytes() == column.tobytes(), f"{name}: zeros of unlike sign"
 
 
 def _stepped(X_AB, rng, *, turn, shift):
@@ -138,6 +140,63 @@ def test_results_survive_the_next_query():
     del cache
     for name, column in copy.items():
         np.testing.assert_array_equal(getattr(first, name), column)
+
+
+@pytest.fixture
+def restore_simd():
+    widest = _core.simd()
+    yield
+    _core.select_simd(widest)
+
+
+@pytest.mark.usefixtures("restore_simd")
+@pytest.mark.parametrize("path", ["scalar", "avx2", "avx512"])
+@pytest.mark.parametrize("shapes", SHAPE_PAIRS.values(), ids=SHAPE_PAIRS)
+def test_all_instruction_sets(shapes, path):
+    """Features rechecked by other operations than those that found them."""
+    try:
+        _core.select_simd(path)
+    except ValueError:
+        pytest.skip(f"this processor has no {path}")
+    A, B = (CollisionMesh(*shape) for shape in shapes)
+    rng = np.random.default_rng(4)
+    cache = WitnessCache(A, B)
+    for _ in range(4):
+        X_AB = random_pose(rng, 0.4 * (A.diagonal + B.diagonal))
+        for merge in [True, False] * 5:
+            X_AB = _stepped(X_AB, rng, turn=1e-4, shift=1e-5 * A.diagonal)
+            cached = cache.witness_pairs(X_AB, 0.05 * A.diagonal, merge=merge)
+            _same(cached, witness_pairs(A, B, X_AB, 0.05 * A.diagonal, merge=merge))
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-15, 1e-9, 1e-6, 1e-4, 1e-2])
+def test_flat_on_flat(tilt):
+    """Ties and near ties: parallel edges and faces, where a hair decides which features win."""
+    A = CollisionMesh(*mesh_shapes.cube())
+    B = CollisionMesh(*mesh_shapes.sheet(6, size=1.5, wave=0.0))
+    rng = np.random.default_rng(5)
+    for gap in (0.02, 1e-6, 0.0, -0.01):
+        cache = WitnessCache(A, B)
+        for _ in range(20):
+            R = Rotation.from_rotvec(tilt * rng.normal(size=3)).as_matrix()
+            X_AB = pose(R, (0.25, 0, 0.5 + gap + 1e-3 * tilt * rng.normal()))
+            _same(cache.witness_pairs(X_AB, 0.05), witness_pairs(A, B, X_AB, 0.05))
+
+
+def test_most_features_are_rechecked_only():
+    """A recheck that never trusts itself would be right, and slow."""
+    A, B = CollisionMesh(*mesh_shapes.doughnut(32, 24)), CollisionMesh(*mesh_shapes.cone(32, 12))
+    rng = np.random.default_rng(6)
+    cache = WitnessCache(A, B)
+    X_AB = pose(Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix(), (0.001, 0, -0.178))
+    pairs = measured = 0
+    for _ in range(50):
+        X_AB = _stepped(X_AB, rng, turn=1e-5, shift=1e-6)
+        pairs += cache.witness_pairs(X_AB, 0.01).multiplicity.sum()
+        measured += cache.measured
+    assert cache.gathered == 1
+    assert pairs > 50_000
+    assert measured < 0.05 * pairs
 
 
 @pytest.mark.parametrize("slack", [0.0, -1.0, np.nan, np.inf])

@@ -221,7 +221,7 @@ class Builder {
       bvh_.slot_vertices[slot] = v;
       for (int c = 0; c < 3; ++c) {
         for (int i = 0; i < 3; ++i)
-          bvh_.slot_coordinates[9 * slot + 3 * c + i] = vertices_[v[c]][i];
+          bvh_.slot_coordinates[9 * slot + 3 * c + i] = vertices_[v[c]][i] + 0.0;
       }
       const Vec3 u = vertices_[v[1]] - vertices_[v[0]], w = vertices_[v[2]] - vertices_[v[0]];
       const double longest = std::max({SquaredNorm(u), SquaredNorm(w), SquaredNorm(u - w)});

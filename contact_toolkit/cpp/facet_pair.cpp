@@ -125,7 +125,7 @@ PosedPair::PosedPair(const CollisionMesh& A, const CollisionMesh& B, const Pose&
       cull.R[i][k] = static_cast<float>(X_AB.R.row[i][k]);
       cull.abs_R[i][k] = std::abs(cull.R[i][k]);
     }
-    matrix[9 + i] = X_AB.p[i];
+    matrix[9 + i] = X_AB.p[i] + 0.0;
     cull.p[i] = static_cast<float>(p[i]);
     longest = std::max(longest, std::abs(cull.p[i]));
   }

@@ -15,6 +15,13 @@ class MergeTable {
     if (++query_ == 0) entries_.assign(entries_.size(), Entry{}), query_ = 1;
   }
 
+  // The row kept under a key that has been looked for before, null when it has not.
+  std::int32_t* Known(std::uint64_t key) {
+    if (used_ == 0) return nullptr;
+    Entry* entry = Slot(key);
+    return entry->query == query_ ? &entry->row : nullptr;
+  }
+
   // The row kept under a key, -1 when there is none yet; valid until the next call.
   std::int32_t* Find(std::uint64_t key) {
     if (2 * (used_ + 1) > entries_.size()) Grow();

@@ -28,6 +28,21 @@ inline constexpr double kThinFacet = 1e-7;
 // takes over.
 inline constexpr double kNearlyParallel = 1e-7;
 
+// [-] The fast kernel's distances are good to a tenth of this share of (longest edge + distance),
+// or better, on facets that are not thin. Closest points clear of all others by that error are
+// certain. The check of remembered features asks four times as much, so that what passes it is
+// certain to the kernel too. It also keeps points off their features' ends by more than kOnFeature.
+inline constexpr double kCertain = 1e-10;
+inline constexpr double kCertainAgain = 4 * kCertain;
+
+// [-] Remembered features closer than this share of the longest edge around are measured afresh:
+// below it, rounding could let nearly parallel edges at two corners win over the corners.
+inline constexpr double kTooClose = 2e-5;
+
+// [-] Features of facets smaller than this share of the coordinates' size are not remembered: the
+// facets would not keep their shape, to within the margins above, where they are posed.
+inline constexpr double kTinyFacet = 1e-8;
+
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.
 inline constexpr double kParallel = 1e-28;

@@ -12,21 +12,173 @@
 
 namespace contact_toolkit {
 
-WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B,
-                                     const Pose& X_AB, double standoff, double slack)
-    : A_(A), B_(B), X_AB_(X_AB), reach_(standoff + slack) {
-  const PosedPair pair(A, B, X_AB);
+namespace {
+
+FacetCandidates Gather(const PosedPair& pair, double reach) {
+  FacetCandidates candidates;
   auto keep = [&](const FacetPairs& chunk) {
     for (int k = 0; k < chunk.count; ++k) {
-      if (chunk.distance[k] > reach_) continue;
-      slot_a_.push_back(chunk.slot_a[k]);
-      slot_b_.push_back(chunk.slot_b[k]);
-      distance_.push_back(chunk.distance[k]);
+      if (chunk.distance[k] > reach) continue;
+      candidates.slot_a.push_back(chunk.slot_a[k]);
+      candidates.slot_b.push_back(chunk.slot_b[k]);
+      candidates.distance.push_back(chunk.distance[k]);
+      candidates.features.push_back(FeaturesOf(pair, chunk, k));
     }
     return true;
   };
-  Traversal(pair, reach_, &keep).Run({0, 0});
+  Traversal(pair, reach, &keep).Run({0, 0});
+  return candidates;
 }
+
+// Rows with the candidates they belong to.
+struct MeasuredRows {
+  WitnessPairs rows;
+  std::vector<std::int32_t> candidate;
+
+  // From candidates measured one by one.
+  void Measure(const PosedPair& pair, const FacetCandidates& candidates,
+               const std::vector<std::int32_t>& alone, double standoff) {
+    rows.Resize(0);
+    candidate.clear();
+    RowWriter write{pair, standoff, false, nullptr, &rows};
+    thread_local FacetPairs chunk;
+    for (std::size_t begin = 0; begin < alone.size(); begin += chunk.count) {
+      chunk.count =
+          static_cast<int>(std::min<std::size_t>(FacetPairs::kCapacity, alone.size() - begin));
+      for (int k = 0; k < chunk.count; ++k) {
+        chunk.slot_a[k] = candidates.slot_a[alone[begin + k]];
+        chunk.slot_b[k] = candidates.slot_b[alone[begin + k]];
+      }
+      MeasureFacetPairs(pair, &chunk);
+      write(chunk);
+      for (int k = 0; k < chunk.count; ++k) {
+        if (!(chunk.distance[k] > standoff)) candidate.push_back(alone[begin + k]);
+      }
+    }
+  }
+};
+
+// Rows from witnesses of features and rows measured one by one, in the order of the candidates.
+class RowMerger {
+ public:
+  RowMerger(const PosedPair& pair, const FacetCandidates& candidates,
+            const FeatureCandidates& features, const std::vector<FeatureWitness>& witnesses,
+            const MeasuredRows& measured, double standoff, WitnessPairs* rows)
+      : slot_facet_a_(pair.A.bvh().slot_facet),
+        slot_facet_b_(pair.B.bvh().slot_facet),
+        candidates_(candidates),
+        features_(features),
+        witnesses_(witnesses),
+        measured_(measured),
+        standoff_(standoff),
+        rows_(*rows) {}
+
+  void WriteSingle(double near) {
+    rows_.Resize(measured_.rows.size() +
+                 std::ranges::count_if(candidates_.distance, [=](double d) { return d <= near; }));
+    const std::vector<std::int32_t>& place = features_.place();
+    std::int32_t k = 0;
+    const auto write_until = [&](std::int32_t end) {
+      for (; k < end; ++k) {
+        const FeatureWitness& w = witnesses_[place[k]];
+        if (w.distance <= standoff_) Write(w, k, candidates_.features[k], 1);
+      }
+    };
+    for (std::size_t i = 0; i < measured_.rows.size(); ++i) {
+      write_until(measured_.candidate[i]);
+      Copy(i);
+    }
+    write_until(static_cast<std::int32_t>(candidates_.size()));
+    rows_.Resize(next_);
+  }
+
+  void WriteMerged() {
+    const std::size_t alone = measured_.rows.size();
+    rows_.Resize(alone + features_.groups().size());
+    thread_local MergeTable table;
+    table.Clear();
+    for (std::size_t i = 0; i < alone; ++i) table.Find(KeyOf(i));
+    std::size_t i = 0;
+    const auto copy_until = [&](std::int32_t end) {
+      for (; i < alone && measured_.candidate[i] < end; ++i) {
+        std::int32_t* row = table.Find(KeyOf(i));
+        if (*row >= 0) {
+          ++rows_.multiplicity[*row];
+        } else {
+          *row = next_;
+          Copy(i);
+        }
+      }
+    };
+    for (const FeatureCandidates::Group& group : features_.groups()) {
+      const FeatureWitness& w = witnesses_[group.place];
+      if (!(w.distance <= standoff_)) continue;
+      copy_until(group.first);
+      std::int32_t* row = alone > 0 ? table.Known(group.features.key()) : nullptr;
+      if (row != nullptr && *row >= 0) {
+        rows_.multiplicity[*row] += group.count;
+        continue;
+      }
+      if (row != nullptr) *row = next_;
+      Write(w, group.first, group.features, group.count);
+    }
+    copy_until(static_cast<std::int32_t>(candidates_.size()));
+    rows_.Resize(next_);
+  }
+
+ private:
+  std::uint64_t KeyOf(std::size_t i) const {
+    return FeaturePair{measured_.rows.feature_a[i], measured_.rows.feature_b[i]}.key();
+  }
+
+  void Write(const FeatureWitness& w, std::int32_t candidate, const FeaturePair& features,
+             std::int32_t multiplicity) {
+    rows_.distance[next_] = w.distance;
+    rows_.p_ACa[next_] = w.p_ACa;
+    rows_.p_ACb[next_] = w.p_ACb;
+    rows_.normal_A[next_] = w.normal_A;
+    rows_.facet_a[next_] = slot_facet_a_[candidates_.slot_a[candidate]];
+    rows_.facet_b[next_] = slot_facet_b_[candidates_.slot_b[candidate]];
+    rows_.feature_a[next_] = features.a;
+    rows_.feature_b[next_] = features.b;
+    rows_.multiplicity[next_] = multiplicity;
+    ++next_;
+  }
+
+  void Copy(std::size_t i) {
+    const WitnessPairs& from = measured_.rows;
+    rows_.distance[next_] = from.distance[i];
+    rows_.p_ACa[next_] = from.p_ACa[i];
+    rows_.p_ACb[next_] = from.p_ACb[i];
+    rows_.normal_A[next_] = from.normal_A[i];
+    rows_.facet_a[next_] = from.facet_a[i];
+    rows_.facet_b[next_] = from.facet_b[i];
+    rows_.feature_a[next_] = from.feature_a[i];
+    rows_.feature_b[next_] = from.feature_b[i];
+    rows_.multiplicity[next_] = from.multiplicity[i];
+    ++next_;
+  }
+
+  const std::vector<std::int32_t>&slot_facet_a_, &slot_facet_b_;
+  const FacetCandidates& candidates_;
+  const FeatureCandidates& features_;
+  const std::vector<FeatureWitness>& witnesses_;
+  const MeasuredRows& measured_;
+  const double standoff_;
+  WitnessPairs& rows_;
+  std::int32_t next_ = 0;
+};
+
+}  // namespace
+
+WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B,
+                                     const Pose& X_AB, double standoff, double slack)
+    : A_(A),
+      B_(B),
+      X_AB_(X_AB),
+      reach_(standoff + slack),
+      candidates_(Gather(PosedPair(A, B, X_AB), reach_)),
+      features_(PosedPair(A, B, X_AB), candidates_) {}
 
 double WitnessCandidates::Motion(const Pose& X_AB) const {
   // |ΔR q + Δp| over B's bounding sphere. The spectral norm of a difference of rotations is its
@@ -44,28 +196,23 @@ double WitnessCandidates::Motion(const Pose& X_AB) const {
   return turned + moved + rounding;
 }
 
-void WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
-                                         WitnessPairs* pairs) const {
+std::size_t WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
+                                                WitnessPairs* pairs) const {
   pairs->Resize(0);
   const PosedPair pair(A_, B_, X_AB);
   const double near = standoff + Motion(X_AB);
-  thread_local MergeTable table;
-  table.Clear();
-  RowWriter write{pair, standoff, merge, &table, pairs};
-  thread_local FacetPairs chunk;
-  chunk.count = 0;
-  const auto flush = [&] {
-    MeasureFacetPairs(pair, &chunk);
-    write(chunk);
-    chunk.count = 0;
-  };
-  for (std::size_t i = 0; i < size(); ++i) {
-    chunk.slot_a[chunk.count] = slot_a_[i];
-    chunk.slot_b[chunk.count] = slot_b_[i];
-    chunk.count += distance_[i] <= near;
-    if (chunk.count == FacetPairs::kCapacity) flush();
+  thread_local std::vector<FeatureWitness> witnesses;
+  thread_local std::vector<std::int32_t> alone;
+  thread_local MeasuredRows measured;
+  features_.Measure(pair, candidates_, near, &witnesses, &alone);
+  measured.Measure(pair, candidates_, alone, standoff);
+  RowMerger rows(pair, candidates_, features_, witnesses, measured, standoff, pairs);
+  if (merge) {
+    rows.WriteMerged();
+  } else {
+    rows.WriteSingle(near);
   }
-  flush();
+  return alone.size();
 }
 
 WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
@@ -81,7 +228,7 @@ void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merg
     candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, slack);
     ++gathered_;
   }
-  candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs);
+  measured_ = candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs);
 }
 
 }  // namespace contact_toolkit

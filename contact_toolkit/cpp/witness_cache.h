@@ -1,10 +1,10 @@
 // Temporal coherence: facet pairs gathered once around a pose answer all queries near it.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <memory>
-#include <vector>
 
+#include "feature_candidates.h"
 #include "mesh.h"
 #include "vec.h"
 #include "witness.h"
@@ -14,7 +14,8 @@ namespace contact_toolkit {
 // All facet pairs within standoff + slack of each other at a reference pose, in the traversal's
 // order, with their distances there. A distance changes at most as far as any point of B moves, so
 // near that pose no other pair can come within the standoff, and most of those that cannot either
-// are passed over untested. Immutable. The meshes must outlive it.
+// are passed over untested. Those that can are mostly seen to be closest at the features they were
+// closest at; only the others are measured from scratch. Immutable. The meshes must outlive it.
 class WitnessCandidates {
  public:
   WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
@@ -23,10 +24,12 @@ class WitnessCandidates {
   // Whether the answer at this pose is sure to be complete.
   bool Covers(const Pose& X_AB, double standoff) const { return standoff + Motion(X_AB) <= reach_; }
 
-  // The same rows, bit for bit, as a query from scratch. Call only where covered.
-  void FindWitnessPairs(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs) const;
+  // The same rows, bit for bit, as a query from scratch. Call only where covered. Returns how many
+  // facet pairs had to be measured from scratch.
+  std::size_t FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
+                               WitnessPairs* pairs) const;
 
-  std::size_t size() const { return slot_a_.size(); }
+  std::size_t size() const { return candidates_.size(); }
 
  private:
   // [m] An upper bound of how far any point of B has moved in A since the reference pose.
@@ -36,8 +39,8 @@ class WitnessCandidates {
   const CollisionMesh& B_;
   Pose X_AB_;
   double reach_;
-  std::vector<std::int32_t> slot_a_, slot_b_;
-  std::vector<double> distance_;
+  FacetCandidates candidates_;
+  FeatureCandidates features_;
 };
 
 // Witness pairs along a motion: gathers candidates anew whenever the pose has left their slack.
@@ -52,11 +55,15 @@ class WitnessCache {
 
   int gathered() const { return gathered_; }  // how often candidates had to be gathered
 
+  // Facet pairs measured from scratch by the last query, after any gathering.
+  std::size_t measured() const { return measured_; }
+
  private:
   std::shared_ptr<const CollisionMesh> A_, B_;
   double slack_;
   std::unique_ptr<const WitnessCandidates> candidates_;
   int gathered_ = 0;
+  std::size_t measured_ = 0;
 };
 
 }  // namespace contact_toolkit

@@ -102,6 +102,7 @@ void BindWitness(nb::module_& m) {
                     double>(),
            nb::arg("A"), nb::arg("B"), nb::arg("slack"))
       .def_prop_ro("gathered", &WitnessCache::gathered)
+      .def_prop_ro("measured", &WitnessCache::measured)
       .def("witness_pairs", &CachedWitnessPairs, nb::arg("X_AB"), nb::arg("standoff"),
            nb::arg("merge"));
   m.def("simd", [] { return ActiveKernels().name; });

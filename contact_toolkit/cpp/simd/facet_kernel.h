@@ -4,13 +4,15 @@
 // The closest points lie on a corner and an edge (18 cases), inside two edges (9), on a corner and
 // inside a facet (6), or the facets cross (an edge pierces a facet: 6). The fast kernel solves edge
 // pairs with dot products and takes heights over planes for facet insides; where that loses
-// accuracy (thin facets, nearly parallel edges) it asks for the careful one, in which every
-// candidate is a pair of points of the two facets whose difference is measured, so that rounding of
-// its parameters enters the distance only to second order.
+// accuracy it asks for the careful one, in which every candidate is a pair of points of the two
+// facets whose difference is measured, so that rounding of its parameters enters the distance only
+// to second order. It passes over nearly parallel edges, and asks unless the answer is certain
+// without them.
 #pragma once
 
 #include <type_traits>
 
+#include "simd/certainty.h"
 #include "simd/kernels.h"
 #include "simd/lanes.h"
 #include "tolerances.h"
@@ -53,6 +55,7 @@ struct Race {
 template <class V>
 struct Best {
   V s, t, spot_a, spot_b;
+  V care;  // kNeedsCare where the careful kernel is to be asked, else 0
 };
 
 template <class V, bool careful>
@@ -180,8 +183,8 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   best.Challenge(insides);
 
   // Crossing: there is an edge from corner i to corner k that passes the other plane inside the
-  // facet. Not when a facet lies on one side of the other's plane; but a facet without area has only
-  // a plane made of rounding, so the careful kernel looks in any case.
+  // facet. Not when a facet lies on one side of the other's plane; but a facet without area has
+  // only a plane made of rounding, so the careful kernel looks in any case.
   auto on_both_sides = zero == zero;
   if constexpr (!careful) {
     on_both_sides = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
@@ -208,15 +211,8 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   V spot_a = best.spots - Fill<V>(8) * spot_b;
   spot_a = Select(crossing, Fill<V>(kCrossing), spot_a);
   spot_b = Select(crossing, Fill<V>(kCrossing), spot_b);
-  if constexpr (!careful) {
-    spot_a = Select(needs_care & !crossing, spot_a + Fill<V>(kNeedsCare), spot_a);
-  }
-  return {best.s, best.t, spot_a, spot_b};
-}
-
-template <class M, class V>
-CT_INLINE Vec<V> Select(M mask, const Vec<V>& a, const Vec<V>& b) {
-  return {Select(mask, a.x, b.x), Select(mask, a.y, b.y), Select(mask, a.z, b.z)};
+  const V care = Select(needs_care & !crossing, Fill<V>(kNeedsCare), zero);
+  return {best.s, best.t, spot_a, spot_b, care};
 }
 
 // The point of facet P at a spot; `along` is its share of an edge. The ends of edges come out
@@ -249,6 +245,13 @@ CT_INLINE void Load(const double* from, V* value) {
 }
 CT_INLINE void Load(const double* from, long double* value) { *value = *from; }
 
+// X: row-major rotation, then translation.
+template <class V>
+CT_INLINE Vec<V> Posed(const double* X, const Vec<V>& p) {
+  return {X[0] * p.x + X[1] * p.y + X[2] * p.z + X[9], X[3] * p.x + X[4] * p.y + X[5] * p.z + X[10],
+          X[6] * p.x + X[7] * p.y + X[8] * p.z + X[11]};
+}
+
 // Loads lane-wise: entry (corner, axis) of each lane's facet.
 template <class V, int lanes>
 CT_INLINE void LoadFacets(const double* coordinates, const std::int32_t* slots, Vec<V> (&P)[3]) {
@@ -275,21 +278,23 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
     Vec<V> A[3], b_B[3], B[3];
     LoadFacets<V, lanes>(a, pairs->slot_a + first, A);
     LoadFacets<V, lanes>(b, pairs->slot_b + first, b_B);
-    for (int c = 0; c < 3; ++c) {
-      const Vec<V>& p = b_B[c];
-      B[c].x = X[0] * p.x + X[1] * p.y + X[2] * p.z + X[9];
-      B[c].y = X[3] * p.x + X[4] * p.y + X[5] * p.z + X[10];
-      B[c].z = X[6] * p.x + X[7] * p.y + X[8] * p.z + X[11];
-    }
+    for (int c = 0; c < 3; ++c) B[c] = Posed(X, b_B[c]);
     const Best<V> best = FacetDistance<V, careful>(A, B);
-    // Pairs that need care are measured again: whatever is made of their spots here is not kept.
     const Vec<V> a_point = PointAt(A, best.spot_a, best.s, best.s, best.t);
     const Vec<V> b_point = PointAt(B, best.spot_b, best.t, best.s, best.t);
     const Vec<V> apart = a_point - b_point;
     const V distance = SquareRoot(Dot(apart, apart));
     const V inverse = Fill<V>(1) / distance;
+    V flagged_spot_a = best.spot_a;
+    if constexpr (!careful) {
+      if (Any(best.care > V{})) {
+        const auto certain =
+            Certain(A, B, best.spot_a, best.spot_b, best.s, best.t, a_point, b_point, distance);
+        flagged_spot_a = flagged_spot_a + Select(certain, V{}, best.care);
+      }
+    }
     Store(pairs->distance + first, Select(best.spot_a == Fill<V>(kCrossing), V{}, distance));
-    Store(pairs->spot_a + first, best.spot_a);
+    Store(pairs->spot_a + first, flagged_spot_a);
     Store(pairs->spot_b + first, best.spot_b);
     Store(pairs->s + first, best.s);
     Store(pairs->t + first, best.t);

@@ -4,6 +4,7 @@
 // number of lanes differs, and fused multiply-add is off.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "bvh.h"
@@ -51,6 +52,29 @@ struct FacetPairs {
   }
 };
 
+// The closest points of two features.
+struct FeatureWitness {
+  Vec3 p_ACa, p_ACb, normal_A;
+  double distance;  // [m]; negative where uncertain
+};
+
+// One number of each of eight pairs of features.
+struct alignas(64) LaneRow {
+  double lane[kBvhWidth];
+};
+
+// Eight pairs of features of the same kinds, to be measured together. Rows, from the first: the
+// corners of A's features, those of B's in B, three rows each; the longest edge [m] of the facets
+// that meet there; then, in single precision and two to a row, the ways in which these facets go on
+// from the feature, three components each, those of A before those of B. A way is the vector to one
+// further corner of a facet (on B: from it), over the longest edge.
+struct FeatureBlock {
+  std::int32_t corners_a, corners_b;  // 1: vertices, 2: edges, 3: facets
+  std::int32_t ways_a, ways_b;        // of each lane; filled up by repetition
+  std::int64_t first_row;
+  double nearest;  // [m] least distance of its pairs when they were gathered
+};
+
 struct Kernels {
   const char* name;
   int lanes;  // of the facet kernel
@@ -70,6 +94,14 @@ struct Kernels {
   // rotation (9) and translation (3). `careful` never leaves kNeedsCare.
   void (*facet_distances)(const double* a, const double* b, const double* X_AB, bool careful,
                           FacetPairs* pairs);
+
+  // The closest points of the features of each block, as facet_distances places them, if no other
+  // case of that kernel can win on any of their facets; otherwise a negative distance, and a bit in
+  // uncertain (one number a block). Blocks not `near` are taken for infinitely far.
+  // touching [m]: the distance from which witness points have a direction.
+  void (*feature_distances)(const LaneRow* rows, const FeatureBlock* blocks, std::size_t count,
+                            const double* X_AB, double near, double touching,
+                            FeatureWitness* witnesses, std::uint8_t* uncertain);
 };
 
 // The careful kernel in extended precision, one pair at a time: for thin facets, whose planes and

@@ -1,11 +1,13 @@
 // The kernels for avx512: 8 lanes of doubles.
 #include "simd/box_kernel.h"
 #include "simd/facet_kernel.h"
+#include "simd/feature_kernel.h"
 
 namespace contact_toolkit {
 
 const Kernels& Avx512Kernels() {
-  static constexpr Kernels kernels{"avx512", 8, BoxPairs, BoxBounds, CullByAxes, FacetDistances<8>};
+  static constexpr Kernels kernels{
+      "avx512", 8, BoxPairs, BoxBounds, CullByAxes, FacetDistances<8>, FeatureDistances<8>};
   return kernels;
 }
 

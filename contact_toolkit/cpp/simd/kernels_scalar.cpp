@@ -1,6 +1,7 @@
 // The kernels for any processor: 1 lane of doubles.
 #include "simd/box_kernel.h"
 #include "simd/facet_kernel.h"
+#include "simd/feature_kernel.h"
 
 namespace contact_toolkit {
 
@@ -9,7 +10,8 @@ void ThinFacetDistances(const double* a, const double* b, const double* X_AB, Fa
 }
 
 const Kernels& ScalarKernels() {
-  static constexpr Kernels kernels{"scalar", 1, BoxPairs, BoxBounds, CullByAxes, FacetDistances<1>};
+  static constexpr Kernels kernels{
+      "scalar", 1, BoxPairs, BoxBounds, CullByAxes, FacetDistances<1>, FeatureDistances<1>};
   return kernels;
 }
 

@@ -11,10 +11,12 @@ namespace {
 template <int n>
 struct LanesOf {
   typedef double Type __attribute__((vector_size(8 * n)));
+  typedef float Single __attribute__((vector_size(4 * n)));
 };
 template <>
 struct LanesOf<1> {
   using Type = double;
+  using Single = float;
 };
 
 using Float8 = float __attribute__((vector_size(32)));
@@ -51,6 +53,20 @@ CT_INLINE V Most(V a, V b) {
 #endif
   return Select(a > b, a, b);
 }
+// Lane by lane to another precision.
+template <class To>
+CT_INLINE To Converted(double a) {
+  return static_cast<To>(a);
+}
+template <class To>
+CT_INLINE To Converted(float a) {
+  return static_cast<To>(a);
+}
+template <class To, class V>
+CT_INLINE To Converted(V a) {
+  return __builtin_convertvector(a, To);
+}
+CT_INLINE float Least(float a, float b) { return a < b ? a : b; }
 CT_INLINE double Least(double a, double b) { return a < b ? a : b; }
 CT_INLINE double Most(double a, double b) { return a > b ? a : b; }
 CT_INLINE long double Least(long double a, long double b) { return a < b ? a : b; }
@@ -150,6 +166,11 @@ CT_INLINE V Dot(const Vec<V>& a, const Vec<V>& b) {
 template <class V>
 CT_INLINE Vec<V> Cross(const Vec<V>& a, const Vec<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class M, class V>
+CT_INLINE Vec<V> Select(M mask, const Vec<V>& a, const Vec<V>& b) {
+  return {Select(mask, a.x, b.x), Select(mask, a.y, b.y), Select(mask, a.z, b.z)};
 }
 
 }  // namespace
