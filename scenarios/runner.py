@@ -96,7 +96,7 @@ def advance(simulator: Simulator, duration: float, summary: Summary, progress: P
         def monitor(context: Context) -> EventStatus | None:
             nonlocal next_report
             if interrupted.is_set():
-                return EventStatus.ReachedTermination(None, "interrupted")
+                return EventStatus.ReachedTermination(simulator.get_system(), "interrupted")
             if time.monotonic() >= next_report:
                 next_report = time.monotonic() + REPORT_PERIOD
                 progress(context.get_time() - start_time)

@@ -20,7 +20,7 @@ def moments(record: Record) -> dict[str, int]:
     if not len(touching):
         return {"out of range": 0}
     deepest = touching[0] + int(np.argmax(springs[touching[0] :]))
-    found = {"first lines": int(touching[0]), "a web": deepest, "at rest": len(springs) - 1}
+    found = {"first lines": int(touching[0]), "a web": deepest, "at the end": len(springs) - 1}
     return {"out of range": 0, **found} if springs[0] == 0 else found
 
 
@@ -31,7 +31,7 @@ def draw_web(record: Record, assembly: Assembly, root: Context, folder: Path) ->
     points = np.concatenate([view.lines.reshape(-1, 3) for view in views.values()])
     if not len(points):
         points = np.concatenate([view.facets.reshape(-1, 3) for view in views.values()])
-    margin = 0.1 * np.linalg.norm(np.ptp(points, axis=0))
+    margin = 0.4 * np.linalg.norm(np.ptp(points, axis=0))
     box = np.stack([points.min(axis=0) - margin, points.max(axis=0) + margin])
     figure = Figure(figsize=(4.6 * len(views), 4.8), layout="constrained")
     for panel, (title, view) in enumerate(views.items(), start=1):
@@ -39,16 +39,16 @@ def draw_web(record: Record, assembly: Assembly, root: Context, folder: Path) ->
         axes.set_title(f"{title}: t = {view.time:.2f} s, {len(view.lines)} springs", fontsize=11)
         centre = view.facets.mean(axis=1)
         near = view.facets[np.all((centre > box[0]) & (centre < box[1]), axis=1)]
-        style = {"facecolor": (0.5, 0.6, 0.7, 0.05), "edgecolor": (0.3, 0.35, 0.4, 0.25)}
+        style = {"facecolor": (0.5, 0.6, 0.7, 0.03), "edgecolor": (0.3, 0.35, 0.4, 0.12)}
         axes.add_collection3d(Poly3DCollection(near, linewidth=0.15, **style))
         if len(view.lines):  # matplotlib fails on collections of nothing
             axes.add_collection3d(Line3DCollection(view.lines, colors="crimson", linewidths=0.8))
         axes.set(xlim=box[:, 0], ylim=box[:, 1], zlim=box[:, 2])
-        axes.set_box_aspect(box[1] - box[0])
+        axes.set_box_aspect(box[1] - box[0], zoom=1.35)
         axes.set_axis_off()
         axes.view_init(elev=25.0, azim=-60.0)
     path = folder / "web.png"
-    figure.savefig(path, dpi=130)
+    figure.savefig(path, dpi=100)
     return path
 
 

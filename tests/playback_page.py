@@ -69,6 +69,10 @@ class PlaybackPage:
         """Show or hide the proximity edges, whatever the animation says about each frame's."""
         self._page.evaluate(f"{_WEB} = {str(visible).lower()}")
 
+    def hide_controls(self) -> None:
+        """Take away the button that lies over the canvas."""
+        self._page.add_style_tag(content=".dg { display: none; }")
+
     def pixels(self) -> np.ndarray:
         """Return what the canvas shows now, (height, width, 3) bytes."""
         self._page.evaluate("viewer.needs_render = true")
@@ -91,7 +95,8 @@ def playback_page(width: int = 640, height: int = 480) -> Iterator[PlaybackPage]
 
 if __name__ == "__main__":
     folder, time, picture = sys.argv[1:]
-    with playback_page(1200, 800) as opened:
+    with playback_page(960, 640) as opened:
         opened.open(Path(folder) / "playback.html")
+        opened.hide_controls()
         opened.seek(float(time))
         Image.fromarray(opened.pixels()).save(picture, optimize=True)

@@ -1,4 +1,4 @@
-"""The playback of Rock-N-Stack in a browser: it loads, it moves, and the web shows when it should."""
+"""The playback of Rock-N-Stack in a browser: it loads, moves, and shows the web when it should."""
 
 import numpy as np
 import pytest
