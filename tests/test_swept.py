@@ -278,6 +278,19 @@ def test_scale_and_offset(scale, offset):
     assert top == pytest.approx(scale * (0.85 - 0.2 * np.sin(np.pi / 3)), abs=rounding)
 
 
+@pytest.mark.parametrize("far", [1e3, 1e6])
+def test_far_apart(far):
+    """Shapes so far apart that single precision tells none of their facets from another."""
+    A, B = (CollisionMesh(*mesh_shapes.doughnut(60, 40, major=0.5, minor=0.2)) for _ in range(2))
+    X0, X1 = pose(p=(far, 0.3, 0.1)), pose(p=(far, -0.2, 0.3))
+    assert swept_distance(A, B, X0, X1).distance == pytest.approx(far - 1.4, rel=1e-6)
+    X1[:3, :3] = Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix()
+    turning = swept_distance(A, B, X0, X1, tolerance=1e-4)
+    assert turning.converged
+    assert turning.distance == pytest.approx(far - 1.4, rel=1e-5, abs=1e-2)
+    assert time_of_impact(A, B, X0, X1).status == ImpactStatus.FREE
+
+
 def test_degenerate_facets():
     """Zero-area and duplicate facets are still points and edges to run into."""
     needle = CollisionMesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2], [0, 1, 2]])

@@ -23,8 +23,8 @@ class ImpactQuery {
         tolerance_(tolerance),
         any_time_(any_time) {}
 
-  float squared_reach(const TimeSlice& slice) const {
-    return slice.begin < end_ ? static_cast<float>(separation_ * separation_) : -1;
+  double squared_reach(const TimeSlice& slice) const {
+    return slice.begin < end_ ? separation_ * separation_ : -1;
   }
   Vec3 direction() const { return direction_; }
 

@@ -26,9 +26,9 @@ class RotationQuery {
     best_.distance = upper_bound;
   }
 
-  float squared_reach(const TimeSlice&) const {
+  double squared_reach(const TimeSlice&) const {
     const double reach = best_.distance - tolerance_;
-    return reach >= 0 ? static_cast<float>(reach * reach) : -1;
+    return reach >= 0 ? reach * reach : -1;
   }
   Vec3 direction() const { return direction_; }
 

@@ -21,7 +21,7 @@ namespace contact_toolkit {
 // Pairs of leaves to look at, the nearest boxes first.
 struct LeafPairs {
   struct Pair {
-    float squared_bound;  // they are no closer than that during the slice
+    double squared_bound;  // they are no closer than that during the slice
     std::int32_t slot_a, slot_b;
   };
   int count = 0;
@@ -29,7 +29,7 @@ struct LeafPairs {
 };
 
 // Query provides
-//   float squared_reach(const TimeSlice&) const   pairs further apart matter no more; negative:
+//   double squared_reach(const TimeSlice&) const   pairs further apart matter no more; negative:
 //   none Vec3 direction() const                        unit vector in A likely to separate leaves;
 //   or zero void Visit(const LeafPairs&, const TimeSlice&)
 template <typename Query>
@@ -56,7 +56,7 @@ class SweptSearch {
 
  private:
   struct Item {
-    float squared_bound;
+    double squared_bound;
     std::int32_t a, b, slice;
   };
 
@@ -68,7 +68,22 @@ class SweptSearch {
       const int first = slices_.Halves(item.slice);
       stack_.push_back({item.squared_bound, item.a, item.b, first + 1});
       stack_.push_back({item.squared_bound, item.a, item.b, first});
-    } else if (a.bottom() && b.bottom()) {
+    } else if (CullOf(item.slice).coarse) {
+      double fine[kBvhWidth * kBvhWidth];
+      for (int j = 0; j < b.count; ++j) {
+        for (int k = 0; k < a.count; ++k) {
+          fine[8 * j + k] = CullOf(item.slice).SquaredBound(a, k, b, j);
+        }
+      }
+      VisitOrDescend(item, a, b, fine);
+    } else {
+      VisitOrDescend(item, a, b, bound);
+    }
+  }
+
+  template <typename Bound>
+  void VisitOrDescend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
+    if (a.bottom() && b.bottom()) {
       Visit(item, a, b, bound);
     } else {
       Descend(item, a, b, bound);
@@ -82,11 +97,12 @@ class SweptSearch {
            (furthest > kLongWay * largest || duration * slices_.motion().angle() > kWideTurn);
   }
 
-  void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const float* bound) {
-    const float reach = query_.squared_reach(slices_[item.slice]);
+  template <typename Bound>
+  void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
+    const double reach = query_.squared_reach(slices_[item.slice]);
     Item next[kBvhWidth * kBvhWidth];
     int count = 0;
-    const auto add = [&](float least, std::int32_t next_a, std::int32_t next_b) {
+    const auto add = [&](Bound least, std::int32_t next_a, std::int32_t next_b) {
       if (least <= reach) next[count++] = {least, next_a, next_b, item.slice};
     };
     // A bottom node stays while the other side descends.
@@ -96,7 +112,7 @@ class SweptSearch {
       }
     } else if (b.bottom()) {
       for (int k = 0; k < a.count; ++k) {
-        float least = bound[k];
+        Bound least = bound[k];
         for (int j = 1; j < b.count; ++j) least = std::min(least, bound[8 * j + k]);
         add(least, a.child[k], item.b);
       }
@@ -111,9 +127,10 @@ class SweptSearch {
     stack_.insert(stack_.end(), std::reverse_iterator(next + count), std::reverse_iterator(next));
   }
 
-  void Visit(const Item& item, const BvhNode& a, const BvhNode& b, const float* bound) {
+  template <typename Bound>
+  void Visit(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
     const TimeSlice slice = slices_[item.slice];
-    const float reach = query_.squared_reach(slice);
+    const double reach = query_.squared_reach(slice);
     std::uint64_t bits = 0;
     for (int j = 0; j < b.count; ++j) {
       for (int k = 0; k < a.count; ++k) {
@@ -125,7 +142,7 @@ class SweptSearch {
       const float direction[3]{static_cast<float>(n.x), static_cast<float>(n.y),
                                static_cast<float>(n.z)};
       bits = kernels_.cull_facets(a_.blocks[a.block], b_.blocks[b.block], CullOf(item.slice),
-                                  direction, std::sqrt(reach), bits);
+                                  direction, static_cast<float>(std::sqrt(reach)), bits);
     }
     if (bits == 0) return;
     LeafPairs pairs;

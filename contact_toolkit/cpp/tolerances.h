@@ -84,6 +84,8 @@ inline constexpr int kAdvanceSteps = 10000;
 inline constexpr float kLongWay = 1.5f;
 // [rad] ... or when they turn further than this: a box would swell by more than a third.
 inline constexpr double kWideTurn = 0.6;
+// [-] Culling in single precision is useless once its slack exceeds this share of the facets' size.
+inline constexpr double kCoarse = 0.1;
 // [-] No slice is shorter than this share of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 

@@ -19,8 +19,8 @@ class TranslationQuery {
   TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion,
                    double upper_bound);
 
-  float squared_reach(const TimeSlice&) const {
-    return best_.distance > 0 ? static_cast<float>(best_.distance * best_.distance) : -1;
+  double squared_reach(const TimeSlice&) const {
+    return best_.distance > 0 ? best_.distance * best_.distance : -1;
   }
   Vec3 direction() const { return direction_; }
   void Visit(const LeafPairs& pairs, const TimeSlice& whole);

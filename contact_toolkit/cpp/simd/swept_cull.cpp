@@ -24,12 +24,15 @@ double FacetSize(const Bvh& bvh) {
 
 }  // namespace
 
-SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const TimeSlice& slice) {
-  const Vec3 begin = slice.X_begin * b.origin - a.origin, end = slice.X_end * b.origin - a.origin;
+SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const TimeSlice& slice)
+    : begin{slice.X_begin.R, slice.X_begin * b.origin - a.origin},
+      end{slice.X_end.R, slice.X_end * b.origin - a.origin},
+      middle(slice.R_middle),
+      motion(&motion) {
   ToFloat(slice.X_begin.R, R_begin);
   ToFloat(slice.X_end.R, R_end);
-  ToFloat(begin, p_begin);
-  ToFloat(end, p_end);
+  ToFloat(begin.p, p_begin);
+  ToFloat(end.p, p_end);
   ToFloat(slice.R_middle, R);
   for (int i = 0; i < 3; ++i) ToFloat(Absolute(slice.R_middle.row[i]), abs_R[i]);
   const double angle = motion.angle() * (slice.end - slice.begin);
@@ -38,9 +41,10 @@ SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const Tim
   ToFloat(motion.axis_B(), axis);
   ToFloat(b.origin, from_Bo);
   across_count = 0;
-  const Vec3 way = end - begin;
+  const Vec3 way = end.p - begin.p;
   // Worth their time only where boxes of facets are passed by.
-  const bool passing = Norm(way) > std::min(FacetSize(a), FacetSize(b));
+  const double facet = std::min(FacetSize(a), FacetSize(b));
+  const bool passing = Norm(way) > facet;
   for (int i = 0; i < 3 && passing && !motion.rotates(); ++i) {
     const Vec3 normal = Cross(way, Mat3{}.row[i]);
     if (!(Norm(normal) > kCullingSlack * Norm(way))) continue;  // along the axis, or no motion
@@ -50,8 +54,28 @@ SweptCull::SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const Tim
     ToFloat(Absolute(Transpose(slice.R_middle) * u), abs_across_B[across_count]);
     ++across_count;
   }
-  slack = static_cast<float>(
-      kCullingSlack * (a.size + b.size + std::max(Norm(begin), Norm(end)) + Norm(b.origin) * turn));
+  slack =
+      static_cast<float>(kCullingSlack * (a.size + b.size + std::max(Norm(begin.p), Norm(end.p)) +
+                                          Norm(b.origin) * turn));
+  coarse = slack > kCoarse * facet;
+}
+
+double SweptCull::SquaredBound(const BvhNode& a, int k, const BvhNode& b, int j) const {
+  const Vec3 center_a{a.center[0][k], a.center[1][k], a.center[2][k]};
+  const Vec3 half_a{a.half[0][k], a.half[1][k], a.half[2][k]};
+  const Vec3 center_b{b.center[0][j], b.center[1][j], b.center[2][j]};
+  const Vec3 half_b{b.half[0][j], b.half[1][j], b.half[2][j]};
+  const Vec3 from = begin * center_b, to = end * center_b;
+  const Vec3 p_BoC{center_b.x + from_Bo[0], center_b.y + from_Bo[1], center_b.z + from_Bo[2]};
+  const double swell = turn * Norm(half_b) + bow * motion->Radius(p_BoC);
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double reach = half_a[i] + Dot(Absolute(middle.row[i]), half_b) +
+                         0.5 * std::abs(to[i] - from[i]) + swell * (1 + kCullingSlack);
+    const double gap = std::abs(0.5 * (from[i] + to[i]) - center_a[i]) - reach;
+    if (gap > 0) squared += gap * gap;
+  }
+  return squared * (1 - kTouching);
 }
 
 const SweptKernels& ActiveSweptKernels() {

@@ -27,8 +27,17 @@ struct SweptCull {
   int across_count;            // unit vectors across the motion, in A and in B (absolute values)
   float across[3][3], abs_across_A[3][3], abs_across_B[3][3];
   float slack;  // [m] covers all single-precision rounding
+  // Whether the shapes are so far apart that the slack hides their facets from each other. Then the
+  // kernels' bounds are useless, and SquaredBound's must do.
+  bool coarse;
+  Pose begin, end;  // as above, in double precision
+  Mat3 middle;
+  const Motion* motion;
 
   SweptCull(const Bvh& a, const Bvh& b, const Motion& motion, const TimeSlice& slice);
+
+  // A lower bound of the squared distance over the slice of child k of a from child j of b.
+  double SquaredBound(const BvhNode& a, int k, const BvhNode& b, int j) const;
 };
 
 struct SweptKernels {
