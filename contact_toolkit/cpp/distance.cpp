@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "facet_pair.h"
+#include "node_extents.h"
 #include "witness.h"
 
 namespace contact_toolkit {
@@ -12,9 +13,12 @@ class Search {
  public:
   Search(const PosedPair& pair, double upper_bound)
       : pair_(pair),
-        best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)) {}
+        best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)),
+        extents_a_(Extents(0)),
+        extents_b_(Extents(1)) {}
 
   void Visit(std::int32_t index_a, std::int32_t index_b) {
+    if (Apart(index_a, index_b)) return;
     const Bvh &A = pair_.A.bvh(), &B = pair_.B.bvh();
     const BvhNode &a = A.nodes[index_a], &b = B.nodes[index_b];
     alignas(32) float bound[64];
@@ -75,6 +79,34 @@ class Search {
   }
 
  private:
+  static NodeExtents& Extents(int side) {
+    thread_local NodeExtents extents[2];
+    return extents[side];
+  }
+
+  // Whether two nodes lie farther apart than the best distance along the line of the best pair.
+  bool Apart(std::int32_t index_a, std::int32_t index_b) {
+    if (++visits_ < kBoxesSuffice || found_.count == 0) return false;
+    if (best_ < kStale * aimed_at_) Aim();
+    const float apart = extents_a_.Least(index_a) + extents_b_.Least(index_b) - offset_;
+    return apart > 0 && double{apart} * apart > best_ * 1.0002;
+  }
+
+  // Takes the line of the best pair, from B towards A, for the direction of the extents.
+  void Aim() {
+    aimed_at_ = best_;
+    const Vec3 line = Normalized({found_.normal[0][0], found_.normal[1][0], found_.normal[2][0]});
+    float n[3], n_B[3] = {0, 0, 0};
+    offset_ = pair_.cull.slack;
+    for (int i = 0; i < 3; ++i) {
+      n[i] = static_cast<float>(line[i]);
+      offset_ += n[i] * pair_.cull.p[i];
+      for (int k = 0; k < 3; ++k) n_B[k] -= n[i] * pair_.cull.R[i][k];
+    }
+    extents_a_.Start(pair_.A.bvh(), n);
+    extents_b_.Start(pair_.B.bvh(), n_B);
+  }
+
   void MeasureFacets(const BvhNode& a, const BvhNode& b, const float* bound) {
     std::uint64_t bits = 0;
     for (int j = 0; j < b.count; ++j) {
@@ -104,10 +136,19 @@ class Search {
 
   // [m²] A bound whose square underflows must still admit a distance of zero.
   static constexpr double kTiny = 1e-300;
+  // Searches shorter than this many node pairs end before the extents pay.
+  static constexpr int kBoxesSuffice = 64;
+  // [-] A direction serves until the squared distance has fallen to this share.
+  static constexpr double kStale = 0.98;
 
   const PosedPair& pair_;
   double best_;  // [m²]
   FacetPairs chunk_, found_;
+  int visits_ = 0;
+  double aimed_at_ = std::numeric_limits<double>::infinity();  // [m²] best_ when last aimed
+  float offset_ = 0;                                           // [m] of B's origin, and slack
+  NodeExtents& extents_a_;
+  NodeExtents& extents_b_;
 };
 
 }  // namespace

@@ -1,0 +1,41 @@
+"""Searches long enough to bound distances along a line as well as by boxes."""
+
+import mesh_shapes
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from contact_toolkit import CollisionMesh, _core, distance
+
+pytestmark = pytest.mark.engine
+
+CUBE = mesh_shapes.cube()
+for _ in range(3):
+    CUBE = mesh_shapes.subdivided(*CUBE)
+SHAPES = {"doughnut": mesh_shapes.doughnut(24, 16), "cone": mesh_shapes.cone(64, 6), "cube": CUBE}
+
+
+def least_of_all(A, B, X_AB):
+    """The least distance of every facet of A to every facet of B."""
+    facets = np.meshgrid(*(np.arange(len(mesh.faces), dtype=np.int32) for mesh in (A, B)))
+    a, b = (np.ascontiguousarray(indices.reshape(-1)) for indices in facets)
+    return _core.facet_distances(A._core, B._core, X_AB, a, b).min()
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-9, 0.01, 1.0, 30.0, 1e7])
+@pytest.mark.parametrize("name", SHAPES)
+def test_no_closer_facets_are_passed_over(name, apart):
+    # Flat faces askew to their mesh's axes: boxes bound them badly, so the line decides.
+    rng = np.random.default_rng(7)
+    vertices, faces = SHAPES[name]
+    A = CollisionMesh(vertices @ Rotation.random(rng=rng).as_matrix(), faces)
+    B = CollisionMesh(vertices @ Rotation.random(rng=rng).as_matrix() + 0.3, faces)
+    for _ in range(4):
+        X_AB = np.eye(4)
+        X_AB[:3, :3] = Rotation.random(rng=rng).as_matrix()
+        direction = rng.standard_normal(3)
+        direction /= np.linalg.norm(direction)
+        X_AB[:3, 3] = A.diagonal * direction - X_AB[:3, :3] @ [0.3, 0.3, 0.3]
+        for _ in range(20):
+            X_AB[:3, 3] += (apart - distance(A, B, X_AB).distance) * direction
+        assert distance(A, B, X_AB).distance == least_of_all(A, B, X_AB)
