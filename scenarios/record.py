@@ -10,12 +10,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
-from pydrake.math import RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 from pydrake.systems.framework import Context
 
 from scenarios.assembly import Assembly
+from systems.body_names import BodyNames
 
 Column = NDArray[np.float64]
 
@@ -52,79 +52,79 @@ class Record:
         return cls(columns, units)
 
 
-_POSE = {"x": "m", "y": "m", "z": "m", "tilt": "rad", "yaw": "rad"}
-_VELOCITY = {"wx": "rad/s", "wy": "rad/s", "wz": "rad/s", "vx": "m/s", "vy": "m/s", "vz": "m/s"}
-_WRENCH = {"tx": "N m", "ty": "N m", "tz": "N m", "fx": "N", "fy": "N", "fz": "N"}
+_BODY_UNITS = {
+    **dict.fromkeys(("x", "y", "z"), "m"),
+    **dict.fromkeys(("tilt", "yaw"), "rad"),
+    **dict.fromkeys(("wx", "wy", "wz"), "rad/s"),
+    **dict.fromkeys(("vx", "vy", "vz"), "m/s"),
+    **dict.fromkeys(("tx", "ty", "tz"), "N m"),
+    **dict.fromkeys(("fx", "fy", "fz"), "N"),
+}
+_UNITS = {
+    "time": "s",
+    "springs": "1",
+    "facet_pairs": "1",
+    **dict.fromkeys(("elastic_energy", "damping_loss", "friction_loss"), "J"),
+    **dict.fromkeys(("kinetic_energy", "gravitational_energy"), "J"),
+}
 
 
 def collect(assembly: Assembly, root: Context) -> Record:
     """Gather the logs of a run, finished or not, into one record.
 
-    Every moving body has the position of its origin, its tilt (of its z axis from up) and yaw (of
-    its x axis, unwrapped), its spatial velocity, the contact wrench about its origin, all in the
-    world, and `g_force`, the contact's upward force over the weight. Energies: kinetic,
-    gravitational, elastic (of the springs).
+    Energies: elastic (of the springs), lost in damping and to friction until then, kinetic,
+    gravitational. Every moving body has the position of its origin, its tilt (of its z axis from
+    up) and yaw (of its x axis, unwrapped), its spatial velocity, the contact wrench about its
+    origin, all in the world, and `g_force`, the contact's upward force over the weight.
     """
     plant = assembly.plant
     logs = {name: sink.FindLog(root) for name, sink in assembly.logs.items()}
     samples = min(log.num_samples() for log in logs.values())  # an interrupted run may differ
     data = {name: log.data()[:, :samples].T for name, log in logs.items()}
-    columns = {"time": logs["state"].sample_times()[:samples].copy()}
-    units = {"time": "s"}
-    for name, column, unit in (
-        ("springs", data["counts"][:, 0], "1"),
-        ("facet_pairs", data["counts"][:, 1], "1"),
-        ("elastic_energy", data["energies"][:, 0], "J"),
-    ):
-        columns[name], units[name] = column, unit
-
-    bodies = moving_bodies(plant)
-    gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
+    bodies = _moving_bodies(plant)
+    mechanics = np.empty((samples, 2))
+    motion = np.empty((samples, len(bodies), 11))
     context = plant.CreateDefaultContext()
-    kinematics = np.empty((samples, len(bodies), 11))
-    energy = np.empty((samples, 2))
-    for row, state in enumerate(data["state"]):
+    for sample, state in enumerate(data["state"]):
         plant.SetPositionsAndVelocities(context, state)
-        energy[row] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
-        for column_, body in enumerate(bodies):
-            kinematics[row, column_] = _kinematics(plant, context, body)
-    columns["kinetic_energy"], columns["gravitational_energy"] = energy.T
-    units |= {"kinetic_energy": "J", "gravitational_energy": "J"}
-    wrenches = data["wrenches"].reshape(samples, -1, 6)
-    rows = {body: row for row, body in enumerate(assembly.contact.bodies)}
-    free = np.zeros((samples, 6))  # of bodies that no contact pair names
+        mechanics[sample] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
+        for index, body in enumerate(bodies):
+            motion[sample, index] = _motion(plant, context, body)
+
+    normal, tangential, damping, friction = data["energies"].T
+    time = logs["state"].sample_times()[:samples].copy()
+    world = [time, *data["counts"].T, normal + tangential, damping, friction, *mechanics.T]
+    columns, units = dict(zip(_UNITS, world, strict=True)), dict(_UNITS)
+    names, gravity = BodyNames(plant), np.linalg.norm(plant.gravity_field().gravity_vector())
+    pushed = assembly.contact.bodies
+    wrenches = dict(zip(pushed, np.hsplit(data["wrenches"], len(pushed)), strict=True))
     for index, body in enumerate(bodies):
-        wrench = wrenches[:, rows[body.index()]] if body.index() in rows else free
-        values = np.hstack([kinematics[:, index], wrench])
-        values[:, 4] = np.unwrap(values[:, 4])
-        for name, unit, column in zip(
-            [*_POSE, *_VELOCITY, *_WRENCH],
-            [*_POSE.values(), *_VELOCITY.values(), *_WRENCH.values()],
-            values.T,
-            strict=True,
-        ):
-            columns[f"{body.name()}.{name}"], units[f"{body.name()}.{name}"] = column, unit
-        weight = body.default_mass() * gravity
-        if weight > 0.0:
-            columns[f"{body.name()}.g_force"] = values[:, -1] / weight
-            units[f"{body.name()}.g_force"] = "1"
+        name = names.name_of(body.index())
+        wrench = wrenches.get(body.index(), np.zeros((samples, 6)))
+        values = np.hstack([motion[:, index], wrench]).T
+        values[4] = np.unwrap(values[4])
+        for quantity, column in zip(_BODY_UNITS, values, strict=True):
+            columns[f"{name}.{quantity}"] = column
+            units[f"{name}.{quantity}"] = _BODY_UNITS[quantity]
+        if body.default_mass() > 0.0:
+            columns[f"{name}.g_force"] = values[-1] / (body.default_mass() * gravity)
+            units[f"{name}.g_force"] = "1"
     return Record(columns, units)
 
 
-def moving_bodies(plant: MultibodyPlant) -> list[RigidBody]:
+def _moving_bodies(plant: MultibodyPlant) -> list[RigidBody]:
     """Return the bodies that are not welded to the world."""
-    fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    fixed = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
     bodies = (plant.get_body(BodyIndex(index)) for index in range(plant.num_bodies()))
-    return [body for body in bodies if int(body.index()) not in fixed]
+    return [body for body in bodies if body.index() not in fixed]
 
 
-def _kinematics(plant: MultibodyPlant, context: Context, body: RigidBody) -> Column:
+def _motion(plant: MultibodyPlant, context: Context, body: RigidBody) -> Column:
     X_WB = plant.EvalBodyPoseInWorld(context, body)
     V_WB = plant.EvalBodySpatialVelocityInWorld(context, body)
-    R_WB: RotationMatrix = X_WB.rotation()
-    axis = R_WB.matrix()
-    tilt = np.arctan2(np.hypot(axis[0, 2], axis[1, 2]), axis[2, 2])
-    yaw = np.arctan2(axis[1, 0], axis[0, 0])
+    R_WB = X_WB.rotation().matrix()
+    tilt = np.arctan2(np.hypot(R_WB[0, 2], R_WB[1, 2]), R_WB[2, 2])
+    yaw = np.arctan2(R_WB[1, 0], R_WB[0, 0])
     return np.concatenate(
         [X_WB.translation(), [tilt, yaw], V_WB.rotational(), V_WB.translational()]
     )

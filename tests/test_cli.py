@@ -14,8 +14,8 @@ def call(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
 
-    def call(*arguments, status=0):
-        result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    def call(*arguments, status=0, typed=""):
+        result = CliRunner().invoke(app, [str(argument) for argument in arguments], input=typed)
         assert result.exit_code == status, result.output
         return result.output
 
@@ -72,6 +72,13 @@ def test_run_prints_the_table_the_verdict_and_the_playback(call, tmp_path):
     reported = call("report", "there")
     assert re.search(r"acceptance\W+failed", reported)
     assert (tmp_path / "there" / "figures" / "springs.png").is_file()
+
+
+def test_play_shows_a_scenario_live_and_keeps_nothing(call, tmp_path):
+    (tmp_path / "drop.yaml").write_text(DROP)
+    output = call("play", "drop.yaml", typed="\n")
+    assert "watch at http://localhost:" in output
+    assert [path.name for path in tmp_path.iterdir()] == ["drop.yaml"]
 
 
 def test_replay_opens_the_playback_of_a_run(call, tmp_path, monkeypatch):

@@ -74,8 +74,22 @@ def test_time_series_hold_the_bounce_with_units(scenario, tmp_path):
     assert record["ball.vz"].min() == pytest.approx(-np.sqrt(2 * 9.81 * 0.009), rel=0.05)
     assert record["ball.vz"].max() > 0.2
     np.testing.assert_array_equal(record["facet_pairs"] >= record["springs"], True)
+    assert (np.diff(record["damping_loss"]) >= 0.0).all()
+    total = sum(record[f"{kind}_energy"] for kind in ("kinetic", "gravitational", "elastic"))
+    np.testing.assert_allclose(total + record["damping_loss"], total[0], atol=2e-3 * total[0])
     weight = record["ball.fz"][~free] / record["ball.g_force"][~free]
     assert weight == pytest.approx(500 * 4 / 3 * np.pi * 0.02**3 * 9.81, rel=0.1)
+
+
+def test_bodies_of_one_name_keep_their_own_columns(tmp_path):
+    second = DROP.split("  - add_model:\n      name: ball")[1].split("  contact:", maxsplit=1)[0]
+    twin = "  - add_model:\n      name: twin" + second.replace("[0, 0, 0.04]", "[0, 0, 0.14]")
+    path = tmp_path / "two.yaml"
+    path.write_text(DROP.replace("  contact:", twin + "  contact:"))
+    run("two", load(str(path), ["simulation_duration=0.01"])[1], tmp_path / "run")
+    record = Record.load(tmp_path / "run" / "series.parquet")
+    assert record["ball::ball.z"][0] == 0.04
+    assert record["twin::ball.z"][0] == 0.14
 
 
 def test_the_same_run_twice_gives_the_same_bits(scenario, tmp_path):
