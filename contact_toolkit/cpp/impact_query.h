@@ -1,4 +1,6 @@
-// The earliest time at which a pair of leaves comes as close as a separation.
+// The earliest time at which a pair of leaves comes as close as a separation. Boxes swept up to a
+// late time are wide and touch where the leaves do not: each time the impact known has come forward
+// to half of what is being searched, the search starts anew on what is left.
 #pragma once
 
 #include <cmath>
@@ -23,8 +25,16 @@ class ImpactQuery {
         tolerance_(tolerance),
         any_time_(any_time) {}
 
+  // Whether something is left to search; then up to time `end()`.
+  bool Restart() {
+    if (!(end_ > 0 && end_ < horizon_ / 2)) return false;
+    horizon_ = end_;
+    return true;
+  }
+  double end() const { return horizon_; }
+
   double squared_reach(const TimeSlice& slice) const {
-    return slice.begin < end_ ? separation_ * separation_ : -1;
+    return end_ >= horizon_ / 2 && slice.begin < end_ ? separation_ * separation_ : -1;
   }
   Vec3 direction() const { return direction_; }
 
@@ -70,7 +80,8 @@ class ImpactQuery {
   const bool any_time_;
   std::vector<Vec3> scratch_;
   Vec3 direction_;
-  double end_ = 2;  // nothing from here on matters
+  double horizon_ = 1;  // of the search that is going on
+  double end_ = 2;      // nothing from here on matters
   TimeOfImpact best_;
 };
 

@@ -63,8 +63,8 @@ Pose Motion::At(double s) const {
   return {rotates() ? RotationAbout(axis_A_, s * angle_) * start_.R : start_.R, p};
 }
 
-TimeSlices::TimeSlices(const Motion& motion) : motion_(motion) {
-  slices_.push_back(Make(0, 1, motion.At(0), motion.At(1)));
+TimeSlices::TimeSlices(const Motion& motion, double end) : motion_(motion) {
+  slices_.push_back(Make(0, end, motion.At(0), motion.At(end)));
 }
 
 TimeSlice TimeSlices::Make(double begin, double end, const Pose& X_begin, const Pose& X_end) const {

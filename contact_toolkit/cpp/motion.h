@@ -42,10 +42,10 @@ struct TimeSlice {
   int halves = -1;  // index of the first half; the second follows
 };
 
-// A binary tree of slices of [0, 1], grown on demand. slices[0] is the whole motion.
+// A binary tree of slices of a motion up to `end`, grown on demand. slices[0] is all of it.
 class TimeSlices {
  public:
-  explicit TimeSlices(const Motion& motion);
+  TimeSlices(const Motion& motion, double end);
 
   const Motion& motion() const { return motion_; }
   const TimeSlice& operator[](int i) const { return slices_[i]; }

@@ -24,7 +24,9 @@ TimeOfImpact FindImpact(const ConvexLeaves& A, const ConvexLeaves& B, const Moti
                         double separation, double tolerance, bool any_time) {
   ImpactQuery query(A, B, motion, separation, std::max(tolerance, RoundingOf(A, B, motion)),
                     any_time);
-  SweptSearch(A, B, motion, true, &query).Run();
+  do {
+    SweptSearch(A, B, motion, query.end(), true, &query).Run();
+  } while (query.Restart());
   return query.answer();
 }
 
@@ -39,11 +41,11 @@ SweptDistance FindSweptDistance(const ConvexLeaves& A, const ConvexLeaves& B, co
   }
   if (!motion.rotates()) {
     TranslationQuery query(A, B, motion, upper_bound);
-    SweptSearch(A, B, motion, false, &query).Run();
+    SweptSearch(A, B, motion, 1, false, &query).Run();
     return query.Answer();
   }
   RotationQuery query(A, B, motion, std::max(tolerance, RoundingOf(A, B, motion)), upper_bound);
-  SweptSearch(A, B, motion, true, &query).Run();
+  SweptSearch(A, B, motion, 1, true, &query).Run();
   return query.Answer();
 }
 

@@ -35,13 +35,14 @@ struct LeafPairs {
 template <typename Query>
 class SweptSearch {
  public:
-  // split_time: halve slices in which B's boxes travel further than they are large.
-  SweptSearch(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion, bool split_time,
-              Query* query)
+  // The motion is searched up to `end`. split_time: halve slices in which B's boxes travel further
+  // than they are large.
+  SweptSearch(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion, double end,
+              bool split_time, Query* query)
       : a_(A.bvh()),
         b_(B.bvh()),
         facets_(A.mesh() != nullptr && B.mesh() != nullptr),
-        slices_(motion),
+        slices_(motion, end),
         split_time_(split_time),
         query_(*query) {}
 
