@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from contact_toolkit import _core
 from contact_toolkit.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.friction import Friction
 from contact_toolkit.queries import as_pose
+
+Floats = NDArray[np.float64]
 
 ContactArrays = _core.ContactArrays
 Forces = _core.Forces
@@ -93,7 +95,7 @@ class ContactModel:
         """Return the table before the first step: no anchors, nothing lost."""
         return StepTable()
 
-    def find(self, X_FB: ArrayLike, table: StepTable | None = None) -> Found:
+    def find(self, X_FB: Floats, table: StepTable | None = None) -> Found:
         """Find the loaded springs of all pairs; free at the very poses of the table's step.
 
         Parameters
@@ -105,7 +107,7 @@ class ContactModel:
         """
         return self._native.find(X_FB, table)
 
-    def forces(self, found: Found, V_FB: ArrayLike, table: StepTable | None = None) -> Forces:
+    def forces(self, found: Found, V_FB: Floats, table: StepTable | None = None) -> Forces:
         """Compute the forces of springs already found.
 
         Parameters
@@ -119,7 +121,7 @@ class ContactModel:
         """
         return self._native.forces(found, V_FB, table)
 
-    def evaluate(self, X_FB: ArrayLike, V_FB: ArrayLike, table: StepTable | None = None) -> Forces:
+    def evaluate(self, X_FB: Floats, V_FB: Floats, table: StepTable | None = None) -> Forces:
         """Find the springs and compute their forces in one call; see `find` and `forces`."""
         return self._native.evaluate(X_FB, V_FB, table)
 

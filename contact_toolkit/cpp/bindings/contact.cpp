@@ -94,7 +94,7 @@ void CopiesAreTheObject(C& bound) {
 
 // One array over the loaded pairs.
 template <typename T, typename Function>
-nb::object PerPair(const Found& found, Function value) {
+auto PerPair(const Found& found, Function value) {
   std::vector<T> values(found.size);
   for (std::size_t i = 0; i < found.size; ++i) values[i] = static_cast<T>(value(found.loaded[i]));
   return ToNumpy<T>(std::move(values));
@@ -125,7 +125,7 @@ void BindFound(nb::module_& m) {
 }
 
 template <typename E, auto member>
-nb::object Column(nb::handle self) {
+auto Column(nb::handle self) {
   const auto& values = nb::cast<const ContactArrays&>(self).*member;
   return ViewOf<E>(values, std::is_same_v<decltype(values), const std::vector<Vec3>&> ? 3 : 0,
                    self);
