@@ -75,14 +75,14 @@ class NonlinearDamper:
 
     def force(self, deformation: ArrayLike, rate: ArrayLike) -> Floats:
         """Force [N] at deformations [m] and rates of deformation [m/s], positive approaching."""
-        deformation, rate = np.asarray(deformation, float), np.asarray(rate, float)
-        force = self.k * np.maximum(deformation, 0.0) ** self.n * (1 + 1.5 * self.alpha * rate)
-        return force if self.adhesion else np.maximum(force, 0.0)
+        delta = np.maximum(np.asarray(deformation, np.float64), 0.0)
+        force = self.k * delta**self.n * (1 + 1.5 * self.alpha * np.asarray(rate, np.float64))
+        return np.asarray(force if self.adhesion else np.maximum(force, 0.0))
 
     def energy(self, deformation: ArrayLike) -> Floats:
         """Elastic energy [J] stored at deformations [m]."""
-        deformation = np.maximum(np.asarray(deformation, float), 0.0)
-        return self.k * deformation ** (self.n + 1) / (self.n + 1)
+        delta = np.maximum(np.asarray(deformation, np.float64), 0.0)
+        return np.asarray(self.k * delta ** (self.n + 1) / (self.n + 1))
 
     def restitution(self, velocity: float) -> float:
         """Coefficient of restitution e of an impact at `velocity` [m/s]; 1 at zero."""
