@@ -13,9 +13,7 @@ std::shared_ptr<const AnchorSet> UpdateAnchors(const Friction& friction, const S
   std::vector<Anchor> after;
   after.reserve(springs.size());
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const Vec3& gradient_A = springs.gradient_A[i];
-    const double steepness = Norm(gradient_A);
-    const double load = steepness * forces[i].normal;
+    const double load = Norm(springs.gradient_A[i]) * forces[i].normal;
     const double stiffness = springs.stiffness[i];
     Vec3 stretch_A = stretches[i].stretch_A;
     bool sliding = stretches[i].sliding;
@@ -36,10 +34,8 @@ std::shared_ptr<const AnchorSet> UpdateAnchors(const Friction& friction, const S
       after.back().sliding = sliding;
     } else {
       changed = true;
-      const Vec3 normal = steepness > 0 ? gradient_A / steepness : Vec3{};
       const Vec3& p_AC = springs.p_AC[i];
-      after.push_back(
-          {springs.key[i], p_AC, X_BA * (p_AC - stretch_A), normal, stiffness, sliding});
+      after.push_back({springs.key[i], p_AC, X_BA * (p_AC - stretch_A), stiffness, sliding});
     }
   }
   if (!changed) return before;

@@ -13,7 +13,6 @@ namespace contact_toolkit {
 struct Anchor {
   std::uint64_t key;  // of the spring
   Vec3 p_AQ, p_BQ;    // fixed in A, fixed in B
-  Vec3 normal_A;      // unit normal of the tangent plane when the anchor was set
   double stiffness;   // [N/m] of the normal spring then
   bool sliding;       // was on the friction cone and has neither stopped nor reversed since
 };

@@ -4,24 +4,15 @@
 #include <optional>
 
 #include "stretch_exchange.h"
-#include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
 
 Vec3 InPlane(const Vec3& v, const Vec3& normal) { return v - Dot(v, normal) * normal; }
 
-// Turns v, perpendicular to `from`, by the least rotation that takes `from` to `to`.
-Vec3 Turned(const Vec3& v, const Vec3& from, const Vec3& to) {
-  const double one_plus_cos = 1 + Dot(from, to);
-  if (one_plus_cos < kTurnedRound) return InPlane(v, to);
-  return v - Dot(v, to) / one_plus_cos * (from + to);
-}
-
-Vec3 OffsetOf(const Anchor& anchor, const Pose& X_AB) { return anchor.p_AQ - X_AB * anchor.p_BQ; }
-
+// The offset of the anchor's points within the tangent plane.
 Vec3 StretchOf(const Anchor& anchor, const Pose& X_AB, const Vec3& normal) {
-  return Turned(InPlane(OffsetOf(anchor, X_AB), anchor.normal_A), anchor.normal_A, normal);
+  return InPlane(anchor.p_AQ - X_AB * anchor.p_BQ, normal);
 }
 
 // Of a spring that had no anchor; see FindStretches.
@@ -68,7 +59,7 @@ void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X
     Vec3 sum = owned * row.stretch_A;
     if (exchange) {
       for (const auto& [anchor, stiffness] : exchange->Take(springs.key[i], missing)) {
-        sum += stiffness * InPlane(OffsetOf(*anchor, X_AB), normal);
+        sum += stiffness * StretchOf(*anchor, X_AB, normal);
         missing -= stiffness;
         if (row.anchor < 0) row.sliding = row.sliding && anchor->sliding;
       }

@@ -19,8 +19,8 @@ struct Stretch {
 
 // Fills one entry of `stretches` for each spring.
 //
-// A spring with an anchor of the same stiffness: the offset of the anchor's points, its part in the
-// tangent plane of the time turned with the normal by the least rotation.
+// A spring with an anchor: the offset of the anchor's points within the tangent plane. Both points
+// are fixed, so a contact that leans over and comes back has lost nothing.
 //
 // A spring without: as if anchored where the surfaces stood at the last accepted step
 // (`last_X_AB`), times the share of the approach since then that went into deformation, which is

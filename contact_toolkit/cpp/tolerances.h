@@ -101,7 +101,4 @@ inline constexpr double kLedgerTolerance = 1e-7;
 // roundings. Without it a pair far from the origin could be lost by a rounding.
 inline constexpr double kBoxSlack = 1e-14;
 
-// [-] Below this value of 1 + cos(angle) a normal has turned round, and no rotation is the least.
-inline constexpr double kTurnedRound = 1e-6;
-
 }  // namespace contact_toolkit
