@@ -95,7 +95,7 @@ def test_p3_nodes_finer_than_facets_stand_in_for_facets(field):
 @pytest.mark.parametrize("field", FIELDS)
 def test_p3_balls_meet_the_closed_form(field):
     """The force would not be π K R δ² (broken: loaded triangles counted 5 % too much)."""
-    assert experiments.ball_on_ball(72, 0.25, field=field) == pytest.approx(1, abs=0.03)
+    assert 0.96 < experiments.ball_on_ball(72, 0.25, field=field) < 1  # facets lie inside the balls
 
 
 def test_p3_any_exponent():
@@ -106,10 +106,10 @@ def test_p3_any_exponent():
         assert force == pytest.approx(1e9 * 0.01 * 5e-5**n, rel=tolerance)
 
 
-@pytest.mark.parametrize(("field", "least"), [("exact", 1e-12), ("smooth", 1e-14)])
-def test_p4_no_ghost_forces(field, least):
+@pytest.mark.parametrize("field", FIELDS)
+def test_p4_no_ghost_forces(field):
     """A box would catch on a flat floor's facets (broken: coefficients in single precision)."""
-    assert experiments.sideways(field=field) < least
+    assert experiments.sideways(field=field) < 1e-12
 
 
 @pytest.mark.parametrize("field", FIELDS)
@@ -167,9 +167,9 @@ def test_p7_fillets_meet_the_closed_form(divisions):
     r, K = 2e-3, 1e9
     web = Web(parts.box(divisions=divisions), parts.box(), K, resolution=0.005, fillet=r)
     for depth in np.array([0.1, 0.25, 0.5, 1.0]) * r:
-        force = np.linalg.norm(experiments.crossed_edges(web, depth, 0.003, 0.002).force)
+        force = np.linalg.norm(experiments.crossed_edges(web, depth, 0.016, 0.002).force)
         assert force == pytest.approx(np.pi * K * r * depth**2 + 0.471 * K * depth**3, rel=0.01)
-    deep = [experiments.crossed_edges(web, d * r, 0.003, 0.002).force for d in range(1, 9)]
+    deep = [experiments.crossed_edges(web, d * r, 0.016, 0.002).force for d in range(1, 9)]
     assert (np.diff(np.linalg.norm(deep, axis=1)) > 0).all()
 
 
@@ -271,6 +271,34 @@ def test_the_past_and_other_threads_leave_no_trace(field):
         for name in ("key", "elastic", "deformation", "gradient_A", "p_ACb"):
             assert (one[name] == two[name]).all()
             assert (one[name] == three[name]).all()
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_hostile_pairs_stay_finite(field):
+    """Odd scales, places or meshes would give no number (broken: nothing; found by looking)."""
+    (v, f), (pea, g) = parts.box(), parts.icosphere(0.005, 4)
+    repeated = (v, np.vstack([f, f[:1]]))
+    folded = (np.vstack([v, [v[f[0]].mean(axis=0)]]), np.vstack([f, [[f[0][0], f[0][1], 8]]]))
+    on_top, far = np.array([0.01, 0.02, -0.1 + 1e-4]), np.array([1e4, -2e4, 3e4])
+    for A, B, p, options in [
+        ((v * 1e-6, f), (v * 1e-6, f), on_top * 1e-6, {}),
+        ((v * 1e6, f), (v * 1e6, f), on_top * 1e6, {}),
+        ((v, f), (v + far, f), on_top - far, {}),
+        ((v, f), (v, f), [0, 0, 0], {}),
+        ((v, f), (v / 8, f), [0, 0, 0], {}),
+        ((v, f), (v, f), on_top, {"stiffness": 1e12}),
+        ((v, f), (v, f), on_top, {"stiffness": 1}),
+        ((pea, g), (v * [100, 100, 0.04], f), [0, 0, -0.0069], {}),
+        (repeated, (v, f), on_top, {"standoff": 1e-3}),
+        (folded, (v, f), on_top, {"standoff": 1e-3}),
+        (mesh_shapes.soup(40), (v, f), [0, 0, 0.2], {"standoff": 1e-3}),
+        (mesh_shapes.sheet(4), mesh_shapes.sheet(4), [0, 0, 1e-3], {"standoff": 4e-3}),
+    ]:
+        web = Web(A, B, **({"stiffness": 1e8, "resolution": 0.08, "field": field} | options))
+        found = web.wrench(pose(p))
+        assert np.isfinite(found.force).all()
+        assert np.isfinite(found.moment).all()
+        assert 0 <= found.energy < np.inf
 
 
 def test_far_bodies_cost_nothing_and_touch_nothing():

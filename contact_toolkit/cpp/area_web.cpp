@@ -16,6 +16,7 @@ namespace {
 constexpr double kEquallyThick = 0.01;   // [-] share within which thicknesses count as equal
 constexpr double kCellsInThickness = 8;  // of the smooth field: fewer would flatten a thin body
 constexpr double kCellsInStandoff = 2;   // about an open surface, whose distance has a kink there
+constexpr double kFinestCell = 1e-7;     // of the probed diagonal: cells are counted in 32 bits
 constexpr double kCaptureShare = 0.98;   // of the largest depth: no distance is larger than that
 constexpr double kSmoothedCells = 1.5;   // by which the smooth field flattens the largest depth
 
@@ -256,6 +257,7 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
     cell_ = 0.5 * spacing_;
     cell_ = std::min(cell_, surface_->closed() ? thickness / kCellsInThickness
                                                : options.standoff / kCellsInStandoff);
+    cell_ = std::max(cell_, kFinestCell * probed.mesh().diagonal());
     capture_depth_ = std::min(capture_depth_, 0.5 * thickness - kSmoothedCells * cell_);
     if (!surface_->closed()) capture_depth_ = HUGE_VAL;
     smooth_ = probed.smooth_field(cell_);
