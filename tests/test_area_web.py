@@ -246,7 +246,10 @@ def test_the_thinner_body_is_sampled():
 
 def test_thickness():
     """Twice the radius of the largest ball inside would be wrong (broken: nothing grown)."""
+    plate, faces = parts.box(0.2, 0.3, 0.002)
+    askew = Rotation.from_rotvec([0.3, -0.5, 0.7]).as_matrix()
     for surface, thickness in [
+        ((plate @ askew.T, faces), 0.002),
         (parts.box(0.1, 0.2, 0.03), 0.03),
         (parts.doughnut(major_sections=128, minor_sections=64), 0.04),
         (parts.icosphere(0.05, 16), 0.1),
