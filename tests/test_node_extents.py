@@ -1,4 +1,4 @@
-"""Searches long enough to bound distances along a line as well as by boxes."""
+"""Distances where the line of the best pair bounds what boxes cannot: flat faces askew to them."""
 
 import mesh_shapes
 import numpy as np
@@ -25,7 +25,6 @@ def least_of_all(A, B, X_AB):
 @pytest.mark.parametrize("apart", [0.0, 1e-9, 0.01, 1.0, 30.0, 1e7])
 @pytest.mark.parametrize("name", SHAPES)
 def test_no_closer_facets_are_passed_over(name, apart):
-    # Flat faces askew to their mesh's axes: boxes bound them badly, so the line decides.
     rng = np.random.default_rng(7)
     vertices, faces = SHAPES[name]
     A = CollisionMesh(vertices @ Rotation.random(rng=rng).as_matrix(), faces)

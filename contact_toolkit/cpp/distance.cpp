@@ -1,6 +1,7 @@
 // Least distance by branch and bound: nearest boxes first, best distance so far as the bound.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "facet_pair.h"
 #include "node_extents.h"
@@ -86,7 +87,7 @@ class Search {
 
   // Whether two nodes lie farther apart than the best distance along the line of the best pair.
   bool Apart(std::int32_t index_a, std::int32_t index_b) {
-    if (++visits_ < kBoxesSuffice || found_.count == 0) return false;
+    if (found_.count == 0) return false;
     if (best_ < kStale * aimed_at_) Aim();
     const float apart = extents_a_.Least(index_a) + extents_b_.Least(index_b) - offset_;
     return apart > 0 && double{apart} * apart > best_ * 1.0002;
@@ -136,15 +137,12 @@ class Search {
 
   // [m²] A bound whose square underflows must still admit a distance of zero.
   static constexpr double kTiny = 1e-300;
-  // Searches shorter than this many node pairs end before the extents pay.
-  static constexpr int kBoxesSuffice = 64;
   // [-] A direction serves until the squared distance has fallen to this share.
   static constexpr double kStale = 0.98;
 
   const PosedPair& pair_;
   double best_;  // [m²]
   FacetPairs chunk_, found_;
-  int visits_ = 0;
   double aimed_at_ = std::numeric_limits<double>::infinity();  // [m²] best_ when last aimed
   float offset_ = 0;                                           // [m] of B's origin, and slack
   NodeExtents& extents_a_;
