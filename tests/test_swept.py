@@ -253,10 +253,13 @@ def test_upper_bound():
     for turn in (0.0, 0.2):
         X0 = pose(p=(0, 0, 1.5))
         X1 = pose(Rotation.from_rotvec([turn, 0, 0]).as_matrix(), (0.3, 0, 1.6))
-        free = swept_distance(A, B, X0, X1)
+        free = swept_distance(A, B, X0, X1, tolerance=1e-5)
         assert free.distance > 0
-        above = swept_distance(A, B, X0, X1, upper_bound=2 * free.distance)
-        assert above.distance == pytest.approx(free.distance, abs=2e-6)
+        for share in (2, 1 + 1e-7):
+            bounded = swept_distance(
+                A, B, X0, X1, tolerance=1e-5, upper_bound=share * (free.distance + free.error)
+            )
+            assert bounded.distance == pytest.approx(free.distance, abs=1e-5)
         below = swept_distance(A, B, X0, X1, upper_bound=0.5 * free.distance)
         assert below.distance == np.inf
 

@@ -23,7 +23,7 @@ class RotationQuery {
   RotationQuery(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion,
                 double tolerance, double upper_bound)
       : A_(A), B_(B), motion_(motion), tolerance_(tolerance) {
-    best_.distance = upper_bound;
+    best_.distance = upper_bound + tolerance;  // so that nothing below the bound goes unseen
   }
 
   double squared_reach(const TimeSlice&) const {
