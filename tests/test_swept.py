@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle_brute_force import triangle_distances
 from poses import pose, random_pose, random_rotation
+from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation, Slerp
 
 from contact_toolkit import (
@@ -81,7 +82,8 @@ def _near(S, P):
     ]
     apart = np.linalg.norm(centres[0][:, None] - centres[1][None], axis=2)
     reach = radii[0][:, None] + radii[1][None]
-    return np.nonzero(apart - reach <= (apart + reach).min())
+    least = cdist(S.reshape(-1, 3), P.reshape(-1, 3)).min()
+    return np.nonzero(apart - reach <= least * (1 + 1e-9))
 
 
 def _any_inside(points, start, way):

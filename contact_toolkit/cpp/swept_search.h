@@ -28,10 +28,15 @@ struct LeafPairs {
   std::array<Pair, kBvhWidth * kBvhWidth> pair;
 };
 
-// Query provides
-//   double squared_reach(const TimeSlice&) const   pairs further apart matter no more; negative:
-//   none Vec3 direction() const                        unit vector in A likely to separate leaves;
-//   or zero void Visit(const LeafPairs&, const TimeSlice&)
+// What Query provides:
+//
+//   double squared_reach(const TimeSlice&) const;
+// Pairs further apart matter no more in the slice; negative: no pair does.
+//
+//   Vec3 direction() const;
+// A unit vector in A that is likely to separate leaves, or zero.
+//
+//   void Visit(const LeafPairs&, const TimeSlice&);
 template <typename Query>
 class SweptSearch {
  public:
