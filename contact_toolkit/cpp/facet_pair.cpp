@@ -69,8 +69,8 @@ void AddPiercings(const Corners<T>& P, const Corners<T>& Q, Vec<T>* points, int*
   }
 }
 
-// The middle of the segment in which two facets cross, posed like the kernels do; false when they do
-// not cross.
+// The middle of the segment in which two facets cross, posed like the kernels do; false when they
+// do not cross.
 template <class T>
 bool MiddleOfCrossing(const PosedPair& pair, const Vec3 (&p_A)[3], const Vec3 (&p_B)[3],
                       Vec3* middle) {

@@ -37,8 +37,8 @@ bool Encloses(Simplex* s) {
   const double volume = Dot(e0, c12);
   const double size = std::max({SquaredNorm(e0), SquaredNorm(e1), SquaredNorm(e2)});
   if (!(std::abs(volume) > kFlatTetrahedron * size * std::sqrt(size))) return false;
-  // Again from where the last pass arrived: a flat tetrahedron magnifies rounding, and the points of
-  // A and B that the weights stand for must be the same.
+  // Again from where the last pass arrived: a flat tetrahedron magnifies rounding, and the points
+  // of A and B that the weights stand for must be the same.
   double w0 = 0, w1 = 0, w2 = 0;
   for (int pass = 0; pass < kWeightPasses; ++pass) {
     const Vec3 miss = p + w0 * e0 + w1 * e1 + w2 * e2;

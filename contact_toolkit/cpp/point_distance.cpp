@@ -142,9 +142,9 @@ class Search {
     if (!(along_u > 0 && along_v > 0 && along_u + along_v < whole)) return false;
     // A point of the facet even where the plane is inaccurate, so never too close.
     const Vec<T> to_foot = (along_u / whole) * u + (along_v / whole) * v;
-    const Vec3 foot = corner[0] + Vec3{static_cast<double>(to_foot.x),
-                                       static_cast<double>(to_foot.y),
-                                       static_cast<double>(to_foot.z)};
+    const Vec3 foot =
+        corner[0] + Vec3{static_cast<double>(to_foot.x), static_cast<double>(to_foot.y),
+                         static_cast<double>(to_foot.z)};
     Keep(slot, foot, SquaredNorm(p_ - foot), 0b111);
     return true;
   }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -46,31 +47,60 @@ struct Element<std::array<T, n>> {
   static constexpr std::size_t columns = n;
 };
 
+// A numpy array as Python sees it; named so that the generated stub tells its element type.
+template <typename Scalar>
+struct ScalarName;
+template <>
+struct ScalarName<double> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.float64]");
+};
+template <>
+struct ScalarName<std::int32_t> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.int32]");
+};
+template <>
+struct ScalarName<std::int64_t> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.int64]");
+};
+template <>
+struct ScalarName<std::uint64_t> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.uint64]");
+};
+template <>
+struct ScalarName<std::uint8_t> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.uint8]");
+};
+template <>
+struct ScalarName<bool> {
+  static constexpr auto value = nb::detail::const_name("numpy.typing.NDArray[numpy.bool]");
+};
+template <typename Scalar>
+struct Array : nb::object {
+  static constexpr auto Name = ScalarName<std::remove_const_t<Scalar>>::value;
+  explicit Array(nb::object&& array) : nb::object(std::move(array)) {}
+};
+
 // A numpy array that owns the vector's storage; nothing is copied.
 template <typename T, typename Allocator>
-nb::object ToNumpy(std::vector<T, Allocator>&& values) {
+Array<typename Element<T>::Scalar> ToNumpy(std::vector<T, Allocator>&& values) {
   using Values = std::vector<T, Allocator>;
   using Scalar = typename Element<T>::Scalar;
   auto* owner = new Values(std::move(values));
   const nb::capsule capsule(owner, [](void* p) noexcept { delete static_cast<Values*>(p); });
-  const std::size_t rows = owner->size();
+  const std::size_t shape[2] = {owner->size(), Element<T>::columns};
+  const std::size_t dimensions = Element<T>::columns == 0 ? 1 : 2;
   auto* data = reinterpret_cast<Scalar*>(owner->data());
-  if constexpr (Element<T>::columns == 0) {
-    return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, {rows}, capsule));
-  } else {
-    return nb::cast(nb::ndarray<nb::numpy, Scalar>(data, {rows, Element<T>::columns}, capsule));
-  }
+  return Array<Scalar>(nb::cast(nb::ndarray<nb::numpy, Scalar>(data, dimensions, shape, capsule)));
 }
-inline nb::object ToNumpy(const Vec3& v) { return ToNumpy(std::vector<double>{v.x, v.y, v.z}); }
+inline Array<double> ToNumpy(const Vec3& v) { return ToNumpy(std::vector<double>{v.x, v.y, v.z}); }
 
 // A read-only numpy view of storage that `owner` keeps alive.
 template <typename E, typename T>
-nb::object ViewOf(const std::vector<T>& values, std::size_t columns, nb::handle owner) {
+Array<E> ViewOf(const std::vector<T>& values, std::size_t columns, nb::handle owner) {
+  const std::size_t shape[2] = {values.size(), columns};
   const E* data = reinterpret_cast<const E*>(values.data());
-  if (columns == 0) {
-    return nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, {values.size()}, owner));
-  }
-  return nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, {values.size(), columns}, owner));
+  return Array<E>(
+      nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, columns == 0 ? 1 : 2, shape, owner)));
 }
 
 }  // namespace contact_toolkit

@@ -29,7 +29,8 @@ FloatingBodies Make(const std::vector<int>& body, const std::vector<int>& q_star
       std::move(floating), {X_FB.data(), X_FB.data() + X_FB.size()}, num_positions, num_velocities};
 }
 
-nb::object Gather(const FloatingBodies& self, const ArrayIn<double, Any>& state) {
+nb::typed<nb::tuple, Array<double>, Array<double>> Gather(const FloatingBodies& self,
+                                                          const ArrayIn<double, Any>& state) {
   if (state.size() != static_cast<std::size_t>(self.num_states())) {
     throw nb::value_error(("state must hold " + std::to_string(self.num_states()) +
                            " numbers, not " + std::to_string(state.size()))
@@ -37,11 +38,12 @@ nb::object Gather(const FloatingBodies& self, const ArrayIn<double, Any>& state)
   }
   std::vector<double> X_FB, V_FB;
   self.Gather({state.data(), state.size()}, &X_FB, &V_FB);
-  return nb::make_tuple(ToNumpy(std::move(X_FB)).attr("reshape")(self.num_bodies(), 4, 4),
-                        ToNumpy(std::move(V_FB)).attr("reshape")(self.num_bodies(), 6));
+  return nb::typed<nb::tuple, Array<double>, Array<double>>(
+      nb::make_tuple(ToNumpy(std::move(X_FB)).attr("reshape")(self.num_bodies(), 4, 4),
+                     ToNumpy(std::move(V_FB)).attr("reshape")(self.num_bodies(), 6)));
 }
 
-nb::object Scatter(const FloatingBodies& self, const ArrayIn<double, Any, Extent<6>>& wrenches) {
+Array<double> Scatter(const FloatingBodies& self, const ArrayIn<double, Any, Extent<6>>& wrenches) {
   if (wrenches.shape(0) != self.num_bodies()) {
     throw nb::value_error(("body_wrenches must have " + std::to_string(self.num_bodies()) +
                            " rows, not " + std::to_string(wrenches.shape(0)))

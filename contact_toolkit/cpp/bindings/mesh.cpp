@@ -42,7 +42,7 @@ nb::dict HierarchyFigures(const CollisionMesh& mesh) {
 }
 
 // Boxes (lower, upper) of the children of all nodes at a depth; the root's children are depth 0.
-nb::object HierarchyBoxes(const CollisionMesh& mesh, int depth) {
+Array<double> HierarchyBoxes(const CollisionMesh& mesh, int depth) {
   const Bvh& bvh = mesh.bvh();
   std::vector<Vec3> boxes;
   std::vector<std::pair<int, int>> stack{{0, 0}};

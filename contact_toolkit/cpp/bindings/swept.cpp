@@ -38,8 +38,8 @@ auto Column(const std::vector<Answer>& answers, Field Answer::* field) {
   return column;
 }
 
-nb::object ToBooleans(std::vector<std::uint8_t>&& values) {
-  return ToNumpy(std::move(values)).attr("view")("bool");
+Array<bool> ToBooleans(std::vector<std::uint8_t>&& values) {
+  return Array<bool>(ToNumpy(std::move(values)).attr("view")("bool"));
 }
 
 // The answers at all poses, each an element of `answers`.
@@ -64,7 +64,7 @@ nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, BoundsIn upper_b
   return columns;
 }
 
-nb::object IntersectionsOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
+Array<bool> IntersectionsOf(nb::handle A, nb::handle B, PosesIn poses, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   return ToBooleans(FindAll<std::uint8_t>(poses, threads, [&](const Motion& still, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, still, 0));
@@ -122,8 +122,8 @@ nb::dict TimesOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
   return columns;
 }
 
-nb::object SweptIntersectionsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
-                                double tolerance, int threads) {
+Array<bool> SweptIntersectionsOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
+                                 double tolerance, int threads) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   return ToBooleans(FindAll<std::uint8_t>(start, end, threads, [&](const Motion& motion, int) {
     return static_cast<std::uint8_t>(SweptIntersects(a, b, motion, tolerance));
