@@ -123,3 +123,14 @@ def _quads(rows: int, columns: int, *, closed: tuple[bool, bool]) -> NDArray[np.
     ]
     a, b, c, d = corner
     return np.vstack([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+
+
+# What every query of two meshes is tried on.
+WITNESS_PAIRS = {
+    "doughnut-cone": (doughnut(10, 6), cone(10, 3)),
+    "cube-cube": (cube(), cube(0.7)),
+    "sheet-ball": (sheet(6), ball(1, bumps=0.3)),
+    "soup-soup": (soup(60, seed=1), soup(60, seed=2)),
+    "sliver-sliver": (sliver(), sliver(width=1e-6)),
+    "ball-ball": (ball(2), ball(1, radius=0.2)),
+}
