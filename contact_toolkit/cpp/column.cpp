@@ -7,6 +7,7 @@ namespace contact_toolkit {
 namespace {
 
 constexpr std::size_t kSmallest = 1 << 16, kMostHeld = 1 << 27;  // [bytes]
+constexpr std::align_val_t kCacheLine{64};  // vectors that straddle lines cost two loads
 
 struct Stock {
   std::mutex mutex;
@@ -23,7 +24,7 @@ Stock& TheStock() {
 }  // namespace
 
 void* TakeBlock(std::size_t bytes) {
-  if (bytes < kSmallest) return ::operator new(bytes);
+  if (bytes < kSmallest) return ::operator new(bytes, kCacheLine);
   const std::size_t size = std::bit_ceil(bytes);
   Stock& stock = TheStock();
   {
@@ -36,7 +37,7 @@ void* TakeBlock(std::size_t bytes) {
       return block;
     }
   }
-  return ::operator new(size);
+  return ::operator new(size, kCacheLine);
 }
 
 void GiveBlock(void* block, std::size_t bytes) noexcept {
@@ -50,7 +51,7 @@ void GiveBlock(void* block, std::size_t bytes) noexcept {
       return;
     }
   }
-  ::operator delete(block);
+  ::operator delete(block, kCacheLine);
 }
 
 }  // namespace contact_toolkit

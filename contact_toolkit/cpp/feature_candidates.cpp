@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <tuple>
+#include <utility>
 
 #include "feature_side.h"
 #include "merge_table.h"
@@ -30,8 +29,9 @@ struct FeatureCandidates::Sides {
   FeatureSide a, b;
   double longest;  // [m] of all edges
 
-  auto Kind() const {
-    return std::tuple(a.corners.size(), b.corners.size(), a.ways.size(), b.ways.size());
+  // A number to bring groups with the same features, and as many ways, together by.
+  std::uint64_t Kind() const {
+    return a.corners.size() << 48 | b.corners.size() << 32 | a.ways.size() << 16 | b.ways.size();
   }
   bool SameFeatures(const Sides& other) const {
     return a.corners.size() == other.a.corners.size() && b.corners.size() == other.b.corners.size();
@@ -51,7 +51,7 @@ bool CanTouchAtOnePoint(const FeaturePair& features) {
 // Writes the lanes of a block one after the other.
 class FeatureCandidates::BlockWriter {
  public:
-  BlockWriter(std::vector<LaneRow>* rows, const FeatureBlock& block) : rows_(*rows), block_(block) {
+  BlockWriter(Column<LaneRow>* rows, const FeatureBlock& block) : rows_(*rows), block_(block) {
     const int ways = block.ways_a + block.ways_b;
     rows_.resize(rows_.size() + 3 * (block.corners_a + block.corners_b) + 1 + (3 * ways + 1) / 2);
   }
@@ -76,7 +76,7 @@ class FeatureCandidates::BlockWriter {
   }
 
  private:
-  std::vector<LaneRow>& rows_;
+  Column<LaneRow>& rows_;
   const FeatureBlock& block_;
 };
 
@@ -91,8 +91,9 @@ void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates&
   const Bvh &a = pair.A.bvh(), &b = pair.B.bvh();
   const auto count = static_cast<std::int32_t>(candidates.size());
   place_.resize(count, kNowhere);
-  MergeTable table;
-  std::vector<std::int32_t> group(count, -1);
+  thread_local MergeTable table;
+  table.Clear();
+  Column<std::int32_t> group(count, -1), filled;
   for (std::int32_t k = 0; k < count; ++k) {
     const FeaturePair& features = candidates.features[k];
     if (!CanTouchAtOnePoint(features) || a.slot_thin[candidates.slot_a[k]] ||
@@ -114,15 +115,17 @@ void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates&
     begin += g.count;
   }
   members_.resize(begin);
-  std::vector<std::int32_t> filled(groups_.size());
+  filled.resize(groups_.size(), 0);
   for (std::int32_t k = 0; k < count; ++k) {
     if (group[k] >= 0) members_[groups_[group[k]].first_member + filled[group[k]]++] = k;
   }
 }
 
 void FeatureCandidates::PackGroups(const PosedPair& pair, const FacetCandidates& candidates) {
-  std::vector<Sides> sides(std::min(kWindow, groups_.size()));
-  std::vector<Sides*> order;
+  thread_local std::vector<Sides> sides;
+  sides.resize(std::max(sides.size(), std::min(kWindow, groups_.size())));
+  std::vector<std::pair<std::uint64_t, Sides*>> order;
+  std::vector<Sides*> lanes;
   for (std::size_t begin = 0; begin < groups_.size(); begin += kWindow) {
     order.clear();
     const std::size_t count = std::min(kWindow, groups_.size() - begin);
@@ -137,20 +140,22 @@ void FeatureCandidates::PackGroups(const PosedPair& pair, const FacetCandidates&
       }
       s.longest = std::sqrt(std::max(s.a.squared_longest, s.b.squared_longest));
       if (s.longest > kTinyFacet * pair.size) {
-        order.push_back(&s);
+        order.emplace_back(s.Kind(), &s);
       } else {
         const auto members = Members(*s.group);
         loners_.insert(loners_.end(), members.begin(), members.end());
       }
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [](const Sides* s, const Sides* t) { return s->Kind() < t->Kind(); });
-    for (auto like = order.begin(); like != order.end();) {
-      auto end = like;
-      while (end != order.end() && end - like < kBvhWidth && (*end)->SameFeatures(**like)) ++end;
-      PackBlock({like, end}, candidates);
-      like = end;
+    std::sort(order.begin(), order.end());
+    for (const auto& [kind, s] : order) {
+      if (lanes.size() == kBvhWidth || (!lanes.empty() && !s->SameFeatures(*lanes[0]))) {
+        PackBlock(lanes, candidates);
+        lanes.clear();
+      }
+      lanes.push_back(s);
     }
+    if (!lanes.empty()) PackBlock(lanes, candidates);
+    lanes.clear();
   }
 }
 
@@ -181,8 +186,8 @@ void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
 }
 
 void FeatureCandidates::Measure(const PosedPair& pair, const FacetCandidates& candidates,
-                                double near, std::vector<FeatureWitness>* witnesses,
-                                std::vector<std::int32_t>* alone) const {
+                                double near, Column<FeatureWitness>* witnesses,
+                                Column<std::int32_t>* alone) const {
   alone->clear();
   for (std::int32_t k : loners_) {
     if (candidates.distance[k] <= near) alone->push_back(k);

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "column.h"
 #include "facet_pair.h"
 #include "mesh.h"
 #include "simd/kernels.h"
@@ -16,9 +16,9 @@ namespace contact_toolkit {
 
 // Facet pairs in the order they were gathered in, with what was found there.
 struct FacetCandidates {
-  std::vector<std::int32_t> slot_a, slot_b;
-  std::vector<double> distance;  // [m]
-  std::vector<FeaturePair> features;
+  Column<std::int32_t> slot_a, slot_b;
+  Column<double> distance;  // [m]
+  Column<FeaturePair> features;
 
   std::size_t size() const { return slot_a.size(); }
 };
@@ -38,16 +38,16 @@ class FeatureCandidates {
   FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates);
 
   // By their first candidate.
-  const std::vector<Group>& groups() const { return groups_; }
+  const Column<Group>& groups() const { return groups_; }
 
   // Where Measure leaves the witness of each candidate.
-  const std::vector<std::int32_t>& place() const { return place_; }
+  const Column<std::int32_t>& place() const { return place_; }
 
   // Places the closest points of the groups that were `near` [m] where they were gathered. Where
   // they are too far or uncertain at this pose the distance is infinite. `alone` are, in order, the
   // near candidates to be measured one by one instead.
   void Measure(const PosedPair& pair, const FacetCandidates& candidates, double near,
-               std::vector<FeatureWitness>* witnesses, std::vector<std::int32_t>* alone) const;
+               Column<FeatureWitness>* witnesses, Column<std::int32_t>* alone) const;
 
  private:
   struct Sides;
@@ -60,13 +60,13 @@ class FeatureCandidates {
   void PackGroups(const PosedPair& pair, const FacetCandidates& candidates);
   void PackBlock(std::span<Sides* const> lanes, const FacetCandidates& candidates);
 
-  std::vector<Group> groups_;
-  std::vector<std::int32_t> members_;   // candidates, group by group
-  std::vector<std::int32_t> loners_;    // candidates without a group, in order
-  std::vector<std::int32_t> place_;     // of each candidate
-  std::vector<std::int32_t> group_at_;  // of each place; -1 for a block's fill
-  std::vector<FeatureBlock> blocks_;
-  std::vector<LaneRow> rows_;
+  Column<Group> groups_;
+  Column<std::int32_t> members_;   // candidates, group by group
+  Column<std::int32_t> loners_;    // candidates without a group, in order
+  Column<std::int32_t> place_;     // of each candidate
+  Column<std::int32_t> group_at_;  // of each place; -1 for a block's fill
+  Column<FeatureBlock> blocks_;
+  Column<LaneRow> rows_;
 };
 
 }  // namespace contact_toolkit

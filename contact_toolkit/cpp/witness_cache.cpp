@@ -33,11 +33,11 @@ FacetCandidates Gather(const PosedPair& pair, double reach) {
 // Rows with the candidates they belong to.
 struct MeasuredRows {
   WitnessPairs rows;
-  std::vector<std::int32_t> candidate;
+  Column<std::int32_t> candidate;
 
   // From candidates measured one by one.
   void Measure(const PosedPair& pair, const FacetCandidates& candidates,
-               const std::vector<std::int32_t>& alone, double standoff) {
+               const Column<std::int32_t>& alone, double standoff) {
     rows.Resize(0);
     candidate.clear();
     RowWriter write{pair, standoff, false, nullptr, &rows};
@@ -62,7 +62,7 @@ struct MeasuredRows {
 class RowMerger {
  public:
   RowMerger(const PosedPair& pair, const FacetCandidates& candidates,
-            const FeatureCandidates& features, const std::vector<FeatureWitness>& witnesses,
+            const FeatureCandidates& features, const Column<FeatureWitness>& witnesses,
             const MeasuredRows& measured, double standoff, WitnessPairs* rows)
       : slot_facet_a_(pair.A.bvh().slot_facet),
         slot_facet_b_(pair.B.bvh().slot_facet),
@@ -76,7 +76,7 @@ class RowMerger {
   void WriteSingle(double near) {
     rows_.Resize(measured_.rows.size() +
                  std::ranges::count_if(candidates_.distance, [=](double d) { return d <= near; }));
-    const std::vector<std::int32_t>& place = features_.place();
+    const Column<std::int32_t>& place = features_.place();
     std::int32_t k = 0;
     const auto write_until = [&](std::int32_t end) {
       for (; k < end; ++k) {
@@ -162,7 +162,7 @@ class RowMerger {
   const std::vector<std::int32_t>&slot_facet_a_, &slot_facet_b_;
   const FacetCandidates& candidates_;
   const FeatureCandidates& features_;
-  const std::vector<FeatureWitness>& witnesses_;
+  const Column<FeatureWitness>& witnesses_;
   const MeasuredRows& measured_;
   const double standoff_;
   WitnessPairs& rows_;
@@ -201,8 +201,8 @@ std::size_t WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standof
   pairs->Resize(0);
   const PosedPair pair(A_, B_, X_AB);
   const double near = standoff + Motion(X_AB);
-  thread_local std::vector<FeatureWitness> witnesses;
-  thread_local std::vector<std::int32_t> alone;
+  thread_local Column<FeatureWitness> witnesses;
+  thread_local Column<std::int32_t> alone;
   thread_local MeasuredRows measured;
   features_.Measure(pair, candidates_, near, &witnesses, &alone);
   measured.Measure(pair, candidates_, alone, standoff);
