@@ -199,6 +199,16 @@ def test_most_features_are_rechecked_only():
     assert measured < 0.05 * pairs
 
 
+def test_worn_candidates_are_gathered_anew():
+    """Within the slack, but on other features than were remembered: right, and ever slower."""
+    A, B = CollisionMesh(*mesh_shapes.doughnut(32, 24)), CollisionMesh(*mesh_shapes.cone(32, 12))
+    cache = WitnessCache(A, B, slack=0.02)
+    for angle in np.linspace(0, 0.1, 60):
+        X_AB = pose(Rotation.from_rotvec([0, 0, angle]).as_matrix(), (0.001, 0, -0.178))
+        _same(cache.witness_pairs(X_AB, 0.005), witness_pairs(A, B, X_AB, 0.005))
+    assert 1 < cache.gathered < 20
+
+
 @pytest.mark.parametrize("slack", [0.0, -1.0, np.nan, np.inf])
 def test_bad_slack(slack):
     A = CollisionMesh(*mesh_shapes.cube())

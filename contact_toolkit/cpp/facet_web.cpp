@@ -79,7 +79,10 @@ std::shared_ptr<const WebMemory> FacetWeb::Remember(const Pose& last_X_AB, const
   const double motion = Motion(*B_, last_X_AB, X_AB);
   const double slack = kCandidateSlack * standoff_;
   const auto* candidates = static_cast<const Candidates*>(before.get());
-  if (candidates && candidates->pairs.Covers(X_AB, standoff_ + motion)) return before;
+  if (candidates && candidates->pairs.Covers(X_AB, standoff_ + motion) &&
+      !candidates->pairs.Worn()) {
+    return before;
+  }
   // Gathering must serve at least one more step such as the last.
   if (2 * motion > slack) return nullptr;
   return std::make_shared<Candidates>(*A_, *B_, X_AB, standoff_, slack);

@@ -84,6 +84,7 @@ FeatureCandidates::FeatureCandidates(const PosedPair& pair, const FacetCandidate
   group_at_ = {-1};
   FormGroups(pair, candidates);
   PackGroups(pair, candidates);
+  DisbandUncertain(pair);
   std::sort(loners_.begin(), loners_.end());
 }
 
@@ -185,32 +186,56 @@ void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
   blocks_.push_back(block);
 }
 
-void FeatureCandidates::Measure(const PosedPair& pair, const FacetCandidates& candidates,
-                                double near, Column<FeatureWitness>* witnesses,
-                                Column<std::int32_t>* alone) const {
-  alone->clear();
-  for (std::int32_t k : loners_) {
-    if (candidates.distance[k] <= near) alone->push_back(k);
+void FeatureCandidates::DisbandUncertain(const PosedPair& pair) {
+  thread_local Column<FeatureWitness> witnesses;
+  for (std::int32_t uncertain : PlaceWitnesses(pair, kInfinity, &witnesses)) {
+    Group& group = groups_[uncertain];
+    for (std::int32_t member : Members(group)) {
+      loners_.push_back(member);
+      place_[member] = kNowhere;
+    }
+    group_at_[group.place] = -1;
+    group.place = kNowhere;
   }
+}
+
+std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandidates& candidates,
+                                       double near, Column<FeatureWitness>* witnesses,
+                                       Column<std::int32_t>* alone) const {
+  alone->clear();
+  const auto keep_near = [&](std::span<const std::int32_t> members) {
+    for (std::int32_t k : members) {
+      if (candidates.distance[k] <= near) alone->push_back(k);
+    }
+  };
+  keep_near(loners_);
   const auto loners = static_cast<std::ptrdiff_t>(alone->size());
-  thread_local std::vector<std::uint8_t> uncertain;
+  for (std::int32_t group : PlaceWitnesses(pair, near, witnesses)) {
+    keep_near(Members(groups_[group]));
+  }
+  std::sort(alone->begin() + loners, alone->end());
+  std::inplace_merge(alone->begin(), alone->begin() + loners, alone->end());
+  return alone->size() - loners;
+}
+
+const Column<std::int32_t>& FeatureCandidates::PlaceWitnesses(
+    const PosedPair& pair, double near, Column<FeatureWitness>* witnesses) const {
+  thread_local Column<std::uint8_t> uncertain;
+  thread_local Column<std::int32_t> groups;
   if (uncertain.size() < blocks_.size()) uncertain.resize(blocks_.size());
   if (witnesses->size() < group_at_.size()) witnesses->resize(group_at_.size());
   pair.kernels.feature_distances(rows_.data(), blocks_.data(), blocks_.size(), pair.matrix, near,
                                  kTouching * pair.size, witnesses->data() + 1, uncertain.data());
   (*witnesses)[kNowhere].distance = kInfinity;
+  groups.clear();
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     for (unsigned bits = uncertain[i]; bits != 0; bits &= bits - 1) {
       const std::size_t place = 1 + kBvhWidth * i + __builtin_ctz(bits);
       (*witnesses)[place].distance = kInfinity;
-      if (group_at_[place] < 0) continue;
-      for (std::int32_t member : Members(groups_[group_at_[place]])) {
-        if (candidates.distance[member] <= near) alone->push_back(member);
-      }
+      if (group_at_[place] >= 0) groups.push_back(group_at_[place]);
     }
   }
-  std::sort(alone->begin() + loners, alone->end());
-  std::inplace_merge(alone->begin(), alone->begin() + loners, alone->end());
+  return groups;
 }
 
 }  // namespace contact_toolkit

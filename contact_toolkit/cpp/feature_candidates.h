@@ -32,7 +32,7 @@ class FeatureCandidates {
     std::int32_t first;         // candidate
     std::int32_t count;         // of candidates
     std::int32_t first_member;  // index into members_
-    std::int32_t place;         // where Measure leaves its witness
+    std::int32_t place;         // where Measure leaves its witness, if it does
   };
 
   FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates);
@@ -45,9 +45,10 @@ class FeatureCandidates {
 
   // Places the closest points of the groups that were `near` [m] where they were gathered. Where
   // they are too far or uncertain at this pose the distance is infinite. `alone` are, in order, the
-  // near candidates to be measured one by one instead.
-  void Measure(const PosedPair& pair, const FacetCandidates& candidates, double near,
-               Column<FeatureWitness>* witnesses, Column<std::int32_t>* alone) const;
+  // near candidates to be measured one by one instead. Returns how many of them had certain
+  // features where they were gathered.
+  std::size_t Measure(const PosedPair& pair, const FacetCandidates& candidates, double near,
+                      Column<FeatureWitness>* witnesses, Column<std::int32_t>* alone) const;
 
  private:
   struct Sides;
@@ -58,7 +59,12 @@ class FeatureCandidates {
   }
   void FormGroups(const PosedPair& pair, const FacetCandidates& candidates);
   void PackGroups(const PosedPair& pair, const FacetCandidates& candidates);
+  void DisbandUncertain(const PosedPair& pair);
   void PackBlock(std::span<Sides* const> lanes, const FacetCandidates& candidates);
+
+  // Returns the groups that are uncertain at this pose.
+  const Column<std::int32_t>& PlaceWitnesses(const PosedPair& pair, double near,
+                                             Column<FeatureWitness>* witnesses) const;
 
   Column<Group> groups_;
   Column<std::int32_t> members_;   // candidates, group by group

@@ -43,6 +43,10 @@ inline constexpr double kTooClose = 2e-5;
 // facets would not keep their shape, to within the margins above, where they are posed.
 inline constexpr double kTinyFacet = 1e-8;
 
+// [-] Candidates are worn when this many times their number had to be measured: about what it costs
+// to gather them.
+inline constexpr int kWorn = 3;
+
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.
 inline constexpr double kParallel = 1e-28;

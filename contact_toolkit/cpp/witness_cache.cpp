@@ -204,7 +204,7 @@ std::size_t WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standof
   thread_local Column<FeatureWitness> witnesses;
   thread_local Column<std::int32_t> alone;
   thread_local MeasuredRows measured;
-  features_.Measure(pair, candidates_, near, &witnesses, &alone);
+  changed_ += features_.Measure(pair, candidates_, near, &witnesses, &alone);
   measured.Measure(pair, candidates_, alone, standoff);
   RowMerger rows(pair, candidates_, features_, witnesses, measured, standoff, pairs);
   if (merge) {
@@ -221,7 +221,7 @@ WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
 
 void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
                                     WitnessPairs* pairs) {
-  if (!candidates_ || !candidates_->Covers(X_AB, standoff)) {
+  if (!candidates_ || !candidates_->Covers(X_AB, standoff) || candidates_->Worn()) {
     const double slack = slack_ > 0     ? slack_
                          : standoff > 0 ? standoff / 4
                                         : 1e-3 * std::min(A_->diagonal(), B_->diagonal());

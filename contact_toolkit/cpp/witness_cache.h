@@ -1,11 +1,13 @@
 // Temporal coherence: facet pairs gathered once around a pose answer all queries near it.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 
 #include "feature_candidates.h"
 #include "mesh.h"
+#include "tolerances.h"
 #include "vec.h"
 #include "witness.h"
 
@@ -29,6 +31,10 @@ class WitnessCandidates {
   std::size_t FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
                                WitnessPairs* pairs) const;
 
+  // Whether so many facet pairs have been measured because they changed features that gathering
+  // anew is the cheaper way on.
+  bool Worn() const { return changed_ > kWorn * size(); }
+
   std::size_t size() const { return candidates_.size(); }
 
  private:
@@ -41,9 +47,11 @@ class WitnessCandidates {
   double reach_;
   FacetCandidates candidates_;
   FeatureCandidates features_;
+  mutable std::atomic<std::size_t> changed_ = 0;  // pairs, in all queries; no answer depends on it
 };
 
-// Witness pairs along a motion: gathers candidates anew whenever the pose has left their slack.
+// Witness pairs along a motion: gathers candidates anew whenever the pose has left their slack, or
+// they are worn.
 // Not to be shared between threads.
 class WitnessCache {
  public:
