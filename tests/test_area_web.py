@@ -248,7 +248,10 @@ def test_thickness():
     """Twice the radius of the largest ball inside would be wrong (broken: nothing grown)."""
     plate, faces = parts.box(0.2, 0.3, 0.002)
     askew = Rotation.from_rotvec([0.3, -0.5, 0.7]).as_matrix()
+    (outer, f), (inner, g) = parts.icosphere(0.05, 24), parts.icosphere(0.0485, 24)
+    shell = np.vstack([outer, inner]), np.vstack([f, g[:, ::-1] + len(outer)])
     for surface, thickness in [
+        (shell, 0.0015),
         ((plate @ askew.T, faces), 0.002),
         (parts.box(0.1, 0.2, 0.03), 0.03),
         (parts.doughnut(major_sections=128, minor_sections=64), 0.04),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -13,6 +14,7 @@
 namespace contact_toolkit {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEquallyThick = 0.01;   // [-] share within which thicknesses count as equal
 constexpr double kCellsInThickness = 8;  // of the smooth field: fewer would flatten a thin body
 constexpr double kCellsInStandoff = 2;   // about an open surface, whose distance has a kink there
@@ -228,11 +230,11 @@ class AreaWeb::Finder {
 AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBody> B,
                  const AreaWebOptions& options)
     : options_(options), samples_a_(SamplesA(*A, *B, options.sampled)) {
-  const auto finite_positive = [](double x) { return x > 0 && x < HUGE_VAL; };
+  const auto finite_positive = [](double x) { return x > 0 && x < kInfinity; };
   Require(finite_positive(options.stiffness), "stiffness must be positive and finite");
   Require(options.exponent >= 1 && options.exponent <= 3, "exponent n must be between 1 and 3");
-  Require(options.standoff >= 0 && options.standoff < HUGE_VAL, "standoff must not be negative");
-  Require(options.fillet >= 0 && options.fillet < HUGE_VAL, "fillet must not be negative");
+  Require(options.standoff >= 0 && options.standoff < kInfinity, "standoff must not be negative");
+  Require(options.fillet >= 0 && options.fillet < kInfinity, "fillet must not be negative");
   Require(options.resolution >= 1e-4 && options.resolution <= 1,
           "resolution must be between 1e-4 and 1");
   const AreaBody& sampled = samples_a_ ? *A : *B;
@@ -252,14 +254,14 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
   nodes_ = sampled.nodes(spacing_);
   bounds_ = probed.bounds(0.5 * spacing_);
   const double thickness = probed.thickness();
-  capture_depth_ = surface_->closed() ? kCaptureShare * 0.5 * thickness : HUGE_VAL;
+  capture_depth_ = surface_->closed() ? kCaptureShare * 0.5 * thickness : kInfinity;
   if (options.field == AreaField::kSmooth) {
     cell_ = 0.5 * spacing_;
     cell_ = std::min(cell_, surface_->closed() ? thickness / kCellsInThickness
                                                : options.standoff / kCellsInStandoff);
     cell_ = std::max(cell_, kFinestCell * probed.mesh().diagonal());
     capture_depth_ = std::min(capture_depth_, 0.5 * thickness - kSmoothedCells * cell_);
-    if (!surface_->closed()) capture_depth_ = HUGE_VAL;
+    if (!surface_->closed()) capture_depth_ = kInfinity;
     smooth_ = probed.smooth_field(cell_);
   }
 }

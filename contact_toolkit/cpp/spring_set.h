@@ -25,7 +25,7 @@ struct SpringSet {
   std::vector<Vec3> p_ACa, p_ACb;   // witness points on the two surfaces (for output and pictures)
   std::vector<std::int32_t> multiplicity;  // facet pairs behind the spring; 1 for area nodes
   int status = 0;                          // of the pair: see ContactStatus
-  std::int64_t facet_pairs = 0;  // closer than the standoff (facet web), nodes probed (area web)
+  std::int64_t facet_pairs = 0;  // closer than the standoff (facet web), nodes looked at (area web)
 
   std::size_t size() const { return key.size(); }
   void clear();

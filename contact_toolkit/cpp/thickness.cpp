@@ -10,7 +10,7 @@
 namespace contact_toolkit {
 namespace {
 
-constexpr int kMostCells = 2000;  // cells looked into; thin shells have no end of equal candidates
+constexpr int kMostCells = 600;  // cells looked into; thin shells have no end of equal candidates
 constexpr int kMostShrinks = 30;
 
 // Radius of the largest ball inside that touches the surface where the ball about `center` does:
