@@ -1,6 +1,6 @@
 """The area web's properties P1 to P8, on the web alone: no friction, no simulator.
 
-Each docstring says what would be wrong, and what was broken on purpose to see the test fail.
+Docstrings say what would be wrong, and what was broken on purpose to see the test fail.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -60,25 +60,25 @@ def test_p2_with_every_option(options):
 
 
 def test_p2_a_closed_tour_does_no_work(smooth):
-    """The contact would pump energy (broken: force along the node's own facet normal)."""
+    """The contact would pump energy (broken: gradient turned by 1 %)."""
     assert abs(experiments.closed_loop_work(smooth, experiments.path_over_cone, 1000)) < 1e-6
 
 
 def test_p2_bouncing_keeps_its_energy(smooth):
-    """Bounces would gain or lose energy without damping (broken: 1 % of the gradient turned)."""
+    """Bounces would gain or lose energy without damping (broken: gradient turned by 1 %)."""
     drift, touch_downs = experiments.bouncing_drift(smooth, 1.6, tolerance=1e-6)
     assert touch_downs >= 5
     assert drift < 1e-4
 
 
 def test_release_returns_the_energy_stored():
-    """Bodies started overlapped would be shot out (broken: energy without clipped triangles)."""
+    """Bodies started overlapped would be shot out (broken: nodes above the surface left out)."""
     assert abs(experiments.release(field="smooth")) < 1e-7
 
 
 @pytest.mark.parametrize("field", FIELDS)
 def test_p3_facets_of_a_box_do_not_show(field):
-    """The force would depend on the mesh (broken: nodes weighed by vertex, not by area)."""
+    """The force would depend on the mesh (broken: triangles not weighed by area)."""
     forces = [experiments.box_on_plane(divisions, field=field) for divisions in (1, 2, 8)]
     assert forces == pytest.approx([500.5] * 3, rel=1e-9)  # 500 N and 0.1 % of the walls
 
@@ -281,7 +281,7 @@ def test_the_past_and_other_threads_leave_no_trace(field):
 
 @pytest.mark.parametrize("field", FIELDS)
 def test_hostile_pairs_stay_finite(field):
-    """Odd scales, places or meshes would give no number (broken: nothing; found by looking)."""
+    """Odd scales, places or meshes would give no number."""
     (v, f), (pea, g) = parts.box(), parts.icosphere(0.005, 4)
     repeated = (v, np.vstack([f, f[:1]]))
     folded = (np.vstack([v, [v[f[0]].mean(axis=0)]]), np.vstack([f, [[f[0][0], f[0][1], 8]]]))
@@ -308,7 +308,7 @@ def test_hostile_pairs_stay_finite(field):
 
 
 def test_far_bodies_cost_nothing_and_touch_nothing():
-    """Bodies apart would be probed (broken: the sphere test turned around)."""
+    """Bodies apart would be probed (broken: the box test turned around)."""
     web = experiments.doughnut_on_cone(32)
     for p in ([0, 0, 5], [1e6, 0, 0], [0, 0, -1e15]):
         rows = web.find(pose(p))
