@@ -167,6 +167,7 @@ def test_an_undamped_impact_takes_the_closed_form_time():
     assert body.state[5] == pytest.approx(speed, rel=1e-5)
 
 
+@pytest.mark.threads
 def test_any_number_of_threads_gives_the_same_bits():
     results = []
     for threads in (1, 2, 5):
