@@ -46,7 +46,7 @@ double Motion(const CollisionMesh& B, const Pose& before, const Pose& after) {
   double squared = 0;
   for (int i = 0; i < 3; ++i) squared += SquaredNorm(after.R.row[i] - before.R.row[i]);
   const Vec3 center = 0.5 * (B.lower() + B.upper());
-  return Norm(after * center - before * center) + std::sqrt(0.5 * squared) * 0.5 * B.diagonal();
+  return Norm(after * center - before * center) + std::sqrt(squared) * 0.5 * B.diagonal();
 }
 
 }  // namespace

@@ -181,8 +181,7 @@ WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh
       features_(PosedPair(A, B, X_AB), candidates_) {}
 
 double WitnessCandidates::Motion(const Pose& X_AB) const {
-  // |ΔR q + Δp| over B's bounding sphere. The spectral norm of a difference of rotations is its
-  // Frobenius norm over √2.
+  // |ΔR q + Δp| over B's bounding sphere, with the Frobenius norm of ΔR for its spectral norm.
   Mat3 change;
   double squared = 0;
   for (int i = 0; i < 3; ++i) {
@@ -190,7 +189,7 @@ double WitnessCandidates::Motion(const Pose& X_AB) const {
     squared += SquaredNorm(change.row[i]);
   }
   const Bvh& b = B_.bvh();
-  const double turned = std::sqrt(0.5 * squared) * Norm(b.half_extent);
+  const double turned = std::sqrt(squared) * Norm(b.half_extent);
   const double moved = Norm(change * b.origin + (X_AB.p - X_AB_.p));
   const double rounding = kTouching * (Norm(b.origin) + Norm(b.half_extent) + Norm(X_AB.p));
   return turned + moved + rounding;

@@ -23,9 +23,15 @@ const Kernels* Find(const std::string& name) {
   return name == "scalar" ? &ScalarKernels() : nullptr;
 }
 
+const Kernels& Named(const std::string& name, const std::string& by) {
+  if (const Kernels* found = Find(name)) return *found;
+  throw std::invalid_argument(by + ": no kernels named '" + name +
+                              "' run on this processor; choose scalar, avx2 or avx512");
+}
+
 const Kernels* Default() {
   if (const char* wish = std::getenv("CONTACT_TOOLKIT_SIMD")) {
-    if (const Kernels* found = Find(wish)) return found;
+    return &Named(wish, "environment variable CONTACT_TOOLKIT_SIMD");
   }
   for (const char* name : {"avx512", "avx2"}) {
     if (const Kernels* found = Find(name)) return found;
@@ -47,12 +53,7 @@ const Kernels& ActiveKernels() {
 }
 
 void SelectKernels(const char* name) {
-  const Kernels* found = Find(name);
-  if (found == nullptr) {
-    throw std::invalid_argument("no kernels named '" + std::string(name) +
-                                "' run on this processor; choose scalar, avx2 or avx512");
-  }
-  active.store(found, std::memory_order_release);
+  active.store(&Named(name, "SelectKernels"), std::memory_order_release);
 }
 
 }  // namespace contact_toolkit

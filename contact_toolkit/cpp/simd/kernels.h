@@ -115,7 +115,7 @@ const Kernels& Avx512Kernels();
 #endif
 
 // The widest this processor runs, or the one named by the environment variable CONTACT_TOOLKIT_SIMD
-// (scalar, avx2, avx512) or by SelectKernels.
+// (scalar, avx2, avx512) or by SelectKernels. Throws where that one does not run.
 const Kernels& ActiveKernels();
 
 // Throws std::invalid_argument for a name that is unknown or that this processor cannot run.
