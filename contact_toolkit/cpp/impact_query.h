@@ -37,6 +37,7 @@ class ImpactQuery {
     return end_ >= horizon_ / 2 && slice.begin < end_ ? separation_ * separation_ : -1;
   }
   Vec3 direction() const { return direction_; }
+  bool Apart(std::int32_t, std::int32_t) const { return false; }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i)

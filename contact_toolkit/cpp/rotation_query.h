@@ -31,6 +31,7 @@ class RotationQuery {
     return reach >= 0 ? reach * reach : -1;
   }
   Vec3 direction() const { return direction_; }
+  bool Apart(std::int32_t, std::int32_t) const { return false; }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i) {

@@ -36,6 +36,9 @@ struct LeafPairs {
 //   Vec3 direction() const;
 // A unit vector in A that is likely to separate leaves, or zero.
 //
+//   bool Apart(std::int32_t node_a, std::int32_t node_b);
+// Whether two nodes are known to stay out of reach; may always be false.
+//
 //   void Visit(const LeafPairs&, const TimeSlice&);
 template <typename Query>
 class SweptSearch {
@@ -56,7 +59,8 @@ class SweptSearch {
     while (!stack_.empty()) {
       const Item item = stack_.back();
       stack_.pop_back();
-      if (item.squared_bound <= query_.squared_reach(slices_[item.slice])) Open(item);
+      if (item.squared_bound > query_.squared_reach(slices_[item.slice])) continue;
+      if (!query_.Apart(item.a, item.b)) Open(item);
     }
   }
 

@@ -4,12 +4,19 @@
 #include <cmath>
 #include <limits>
 
+#include "node_extents.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Of A (0) and of B (1).
+NodeExtents& Extents(int side) {
+  thread_local NodeExtents extents[2];
+  return extents[side];
+}
 
 }  // namespace
 
@@ -19,9 +26,34 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       B_(B),
       motion_(motion),
       meshes_(A.mesh() != nullptr && B.mesh() != nullptr),
-      lowest_(kInfinity) {
+      lowest_(kInfinity),
+      aimed_at_(kInfinity) {
   best_.distance = upper_bound;
   best_.time = 0.5;
+}
+
+bool TranslationQuery::Apart(std::int32_t node_a, std::int32_t node_b) {
+  if (!meshes_ || best_.index_a < 0) return false;
+  if (best_.distance < kStaleAim * aimed_at_) Aim();
+  const float apart = Extents(0).Least(node_a) + Extents(1).Least(node_b) - offset_;
+  return apart > best_.distance * (1 + kCullingSlack);
+}
+
+void TranslationQuery::Aim() {
+  aimed_at_ = best_.distance;
+  const Bvh &a = A_.bvh(), &b = B_.bvh();
+  const Pose start = motion_.At(0);
+  const Vec3 line = Normalized(best_.p_ACa - best_.p_ACb);
+  const Vec3 line_B = -(Transpose(start.R) * line);
+  const float n[3]{static_cast<float>(line.x), static_cast<float>(line.y),
+                   static_cast<float>(line.z)};
+  const float n_B[3]{static_cast<float>(line_B.x), static_cast<float>(line_B.y),
+                     static_cast<float>(line_B.z)};
+  Extents(0).Start(a, n);
+  Extents(1).Start(b, n_B);
+  const Vec3 begin = start * b.origin - a.origin, end = begin + motion_.translation();
+  const double slack = kCullingSlack * (a.size + b.size + std::max(Norm(begin), Norm(end)));
+  offset_ = static_cast<float>(std::max(Dot(line, begin), Dot(line, end)) + slack);
 }
 
 void TranslationQuery::Visit(const LeafPairs& pairs, const TimeSlice& whole) {

@@ -23,6 +23,7 @@ class TranslationQuery {
     return best_.distance > 0 ? best_.distance * best_.distance : -1;
   }
   Vec3 direction() const { return direction_; }
+  bool Apart(std::int32_t node_a, std::int32_t node_b);
   void Visit(const LeafPairs& pairs, const TimeSlice& whole);
 
   SweptDistance Answer() const;
@@ -33,6 +34,8 @@ class TranslationQuery {
   // Of facet pair i over the whole way, by the tangent there.
   double LowerBound(int i) const;
   void MeasureSwept(int slot_a, int slot_b);
+  // Takes the line between the closest points so far for the direction of the nodes' extents.
+  void Aim();
 
   const ConvexLeaves &A_, &B_;
   const Motion& motion_;
@@ -44,6 +47,8 @@ class TranslationQuery {
   std::unique_ptr<const PosedPair> posed_;
   double posed_time_ = -1;
   FacetPairs chunk_;
+  double aimed_at_;   // [m] best distance when last aimed
+  float offset_ = 0;  // [m] of B's origin over the whole way, and slack
 };
 
 }  // namespace contact_toolkit
