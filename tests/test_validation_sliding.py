@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from pydrake.multibody.tree import PrismaticSpring, SpatialInertia
+from pydrake.geometry import Box
+from pydrake.math import RigidTransform
 from scipy.interpolate import CubicHermiteSpline
 from validation_scenes import GRAVITY, Scene, area_web, check, judge, slope
 
@@ -131,17 +132,13 @@ def test_sliding_to_a_stop(record_property):
 
 def test_friction_loop(record_property):
     """Row 13: a cycle of amplitude X loses 4 μ N (X − μ N / k_t)."""
-    mu, frequency, heavy = 0.4, 10.0, 1e9
+    mu, frequency = 0.4, 10.0
     limit = mu * WEIGHT
     amplitude = 4 * limit / KT
     scene = Scene()
     scene.floor()
-    # So heavy that rubbing does not slow its swing.
-    carriage = scene.slider("carriage", heavy, scene.plant.world_body(), [1, 0, 0])
-    inertia = SpatialInertia.SolidBoxWithMass(MASS, *SIZE)
-    scene.box_shape(scene.slider("box", MASS, carriage, [0, 0, 1], inertia), SIZE)
-    joint = scene.plant.GetJointByName("carriage")
-    scene.plant.AddForceElement(PrismaticSpring(joint, 0.0, heavy * frequency**2))
+    carriage = scene.swing("carriage", frequency)
+    scene.shape(scene.slider("box", MASS, SIZE, carriage, [0, 0, 1]), Box(*SIZE))
     # Hardly damped: that would lose energy too.
     run = scene.build(foundation(alpha=0.2, mu=mu, resolution=0.1), step=1e-3)
     run.plant.SetPositions(run.plant_context, [0.0, SIZE[2] / 2 - SINK])
@@ -205,3 +202,35 @@ def test_tipping(record_property, share, verdict):
             got = "slides"
         assert run.context.get_time() < 2
     judge(record_property, (23, f"pushed box, μ = {share:g} b/h"), verdict, got)
+
+
+@pytest.mark.slow
+def test_vibrating_table(record_property):
+    """Row 20: pushed by F, a box moves over a shaking table at v = A ω sin(π F / 2 μ N)."""
+    mu, frequency, amplitude, share = 0.3, 300.0, 0.003, 0.5
+    sink = 1e-6  # so stiff that friction turns round in no time
+    scene = Scene()
+    table = scene.swing("table", frequency)
+    scene.shape(table, Box(8, 0.5, 0.2), RigidTransform([0, 0, -0.1]))
+    body = scene.box("box", MASS, SIZE)
+    pull = share * mu * WEIGHT
+
+    def push(_time: float):
+        force = np.zeros(7)
+        # Applied at the middle of the bottom, so that it does not tip the box.
+        force[start + 1] = -SIZE[2] / 2 * pull
+        force[start + 3] = pull
+        return force
+
+    run = scene.build(foundation(k=WEIGHT / AREA / sink, mu=mu), push, step=2.5e-4)
+    start = body.floating_velocities_start_in_v()
+    run.place(body, p=(0, 0, SIZE[2] / 2 - sink))
+    joint = run.plant.GetJointByName("table")
+    joint.set_translation_rate(run.plant_context, amplitude * frequency)
+    cycle = 2 * math.pi / frequency
+    run.advance_to(100 * cycle)
+    x, t = run.point(body)[0], run.context.get_time()
+    run.advance_to(150 * cycle)
+    v = (run.point(body)[0] - x) / (run.context.get_time() - t)
+    expected = amplitude * frequency * math.sin(math.pi / 2 * share)
+    check(record_property, (20, "mean speed over a vibrating table [m/s]"), expected, v, 0.02)

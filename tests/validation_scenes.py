@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from pydrake.geometry import Box, HalfSpace, Shape, Sphere
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
-from pydrake.multibody.tree import PrismaticJoint, RigidBody, SpatialInertia
+from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring, RigidBody, SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, DiagramBuilder, EventStatus, LeafSystem
 
 from systems import AddNonlinearDamperContact, ContactConfig, FrictionConfig
 
 GRAVITY = 9.81
+HEAVY = 1e9  # [kg]
 Floats = NDArray[np.float64]
 
 
@@ -94,15 +95,18 @@ class Scene:
         self.shape(body, Sphere(radius))
         return body
 
-    def box_shape(self, body: RigidBody, size: tuple[float, float, float]) -> None:
-        self.shape(body, Box(*size))
-
-    def slider(self, name: str, mass: float, parent: RigidBody, axis, inertia=None) -> RigidBody:
-        """Add a body that moves along an axis of its parent only."""
-        inertia = inertia or SpatialInertia.SolidSphereWithMass(mass, 0.1)
-        body = self.plant.AddRigidBody(name, inertia)
+    def slider(self, name: str, mass: float, size, parent: RigidBody, axis) -> RigidBody:
+        """Add a box without shape that moves along an axis of its parent only."""
+        body = self.plant.AddRigidBody(name, SpatialInertia.SolidBoxWithMass(mass, *size))
         joint = PrismaticJoint(name, parent.body_frame(), body.body_frame(), axis)
         self.plant.AddJoint(joint)
+        return body
+
+    def swing(self, name: str, frequency: float) -> RigidBody:
+        """Add a body that swings along x [rad/s], so heavy that nothing slows it."""
+        body = self.slider(name, HEAVY, (1, 1, 1), self.plant.world_body(), [1, 0, 0])
+        joint = self.plant.GetJointByName(name)
+        self.plant.AddForceElement(PrismaticSpring(joint, 0.0, HEAVY * frequency**2))
         return body
 
     def shape(self, body: RigidBody, shape: Shape, X_BG=None, friction: float = 0.0) -> None:
