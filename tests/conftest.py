@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 _OPTIONS = {
@@ -15,6 +16,17 @@ _OPTIONS = {
 def pytest_addoption(parser: pytest.Parser) -> None:
     for option, purpose in _OPTIONS.items():
         parser.addoption(option, metavar="FILE", type=Path, help=purpose)
+
+
+def pytest_runtest_makereport(item: pytest.Item) -> None:
+    """Make recorded numpy numbers plain ones: workers can send nothing else."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(plain, value))
+        return value.item() if isinstance(value, np.generic) else value
+
+    item.user_properties[:] = [(name, plain(value)) for name, value in item.user_properties]
 
 
 def pytest_terminal_summary(
