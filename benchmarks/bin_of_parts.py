@@ -82,8 +82,8 @@ def contact_model(meshes: list[CollisionMesh], *, threads: int = 1) -> ContactMo
 def filling(bodies: int, seed: int = 0) -> tuple[list[CollisionMesh], Pose]:
     """Return each body's mesh and pose in W, (bodies, 4, 4).
 
-    Each part falls straight down, turned at random, onto the first it meets. The floor it may meet is
-    none of the bodies: contact with it is cheaper, and rarer the fuller the bin.
+    Each part falls straight down, turned at random, onto the first it meets. The floor it may meet
+    is none of the bodies: contact with it is cheaper, and rarer the fuller the bin.
     """
     shapes = [
         CollisionMesh(*surface)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 RUNS = 9
-_SHORTEST_RUN = 2e-3  # [s] shorter calls are repeated within a run: timers and caches settle
+_SHORTEST_RUN = 1e-2  # [s] shorter calls are repeated within a run: timers and caches settle
 
 
 @dataclass(frozen=True)
