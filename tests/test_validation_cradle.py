@@ -79,7 +79,7 @@ def test_cradle(n, expected, tmp_path, record_property):
             15,
             f"three balls in a row, n = {n:g}",
             str(expected),
-            str(tuple(got.round(4))),
+            str(tuple(got.round(4).tolist())),
             error,
             5e-3,
         ),
