@@ -119,7 +119,8 @@ def test_pressed_in_it_holds_and_pulls_out(name, tmp_path, record_property):
     run = push(tmp_path, plug(), socket(), axis, PRESS_AND_PULL, k=k, friction=mu)
     phi = math.atan(mu)
     expected = math.tan(phi - beta) / math.tan(phi + beta)
-    assert abs(run.at(0.45) - run.at(0.4)) < 1e-9, "creeps after unloading"
+    # Unloaded, it stays where it is but for the nanometres of its dying vibration.
+    assert abs(run.at(0.45) - run.at(0.3)) < 1e-3 * abs(run.at(0.15)), "does not hold"
     got = run.force_when_gone(0.45, 1e-4) / PRESS
     record_property(
         "validation", (17, f"{name}: force out/in", expected, got, abs(got / expected - 1), 0.05)
