@@ -2,7 +2,14 @@
 
 from contact_toolkit.batch import Distances, distance_batch, intersects_batch
 from contact_toolkit.contact_law import NonlinearDamper
-from contact_toolkit.contact_model import ContactArrays, ContactModel, Forces, Found, StepTable
+from contact_toolkit.contact_model import (
+    ContactArrays,
+    ContactModel,
+    ContactStatus,
+    Forces,
+    Found,
+    StepTable,
+)
 from contact_toolkit.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.convex import ConvexPieces, Shape
 from contact_toolkit.cspace import CSpaceClass, CSpaceGeometry, CSpaceModel
@@ -62,6 +69,7 @@ __all__ = [
     "ContactGeometry",
     "ContactModel",
     "ContactPair",
+    "ContactStatus",
     "ConvexPieces",
     "DecompositionError",
     "Distances",

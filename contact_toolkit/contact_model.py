@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,6 +20,24 @@ ContactArrays = _core.ContactArrays
 Forces = _core.Forces
 Found = _core.Found
 StepTable = _core.StepTable
+
+
+class ContactStatus(enum.IntFlag):
+    """Of a pair, in `ContactArrays.status` and `Found.status`: how far its forces can be trusted.
+
+    Attributes
+    ----------
+    BEYOND_CAPTURE
+        Area web: one is in deeper than half the other's thickness; the force may point the wrong
+        way.
+    CROSSED
+        Area web: an open surface has been passed through, and nothing pushes back. Facet web: the
+        surfaces meet, the standoff is used up; its distances have no sign, so the force may point
+        the wrong way. (A body wholly inside another meets no facet: the facet web cannot tell.)
+    """
+
+    BEYOND_CAPTURE = 1
+    CROSSED = 2
 
 
 class ContactModel:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
-from contact_toolkit import ContactModel, Forces
+from contact_toolkit import ContactModel, ContactStatus, Forces
 from systems.explicit_stability import ContactFrequency
 
 # Of the stable time step 2/ω: to there, energy swings within 0.2 % (measured on bouncing balls).
@@ -20,9 +20,16 @@ _WARN_ABOVE = 0.2
 # How much worse it must get to be said again.
 _WORSE = 1.5
 
-_STATUS = {
-    1: "one is in deeper than half the other's thickness, and may be pushed out the wrong way",
-    2: "one has passed through the other's open surface, and is not pushed back",
+_MEANING = {
+    ("area", ContactStatus.BEYOND_CAPTURE): (
+        "one is in deeper than half the other's thickness, and may be pushed out the wrong way"
+    ),
+    ("area", ContactStatus.CROSSED): (
+        "one has passed through the other's open surface, and is not pushed back"
+    ),
+    ("facet", ContactStatus.CROSSED): (
+        "their surfaces cross: one is in deeper than the standoff, and may be pushed the wrong way"
+    ),
 }
 
 
@@ -31,7 +38,7 @@ class Reported:
     """What has been warned about: the worst share of the stable step, and (pair, status)."""
 
     stable_share: float = 0.0
-    statuses: frozenset[tuple[int, int]] = frozenset()
+    statuses: frozenset[tuple[int, ContactStatus]] = frozenset()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Reported:
         """Return itself: immutable, so a context may copy it for free."""
@@ -99,22 +106,18 @@ class ContactWatch:
         seen = {
             (int(pairs[i]), bit)
             for i in np.flatnonzero(status)
-            for bit in _STATUS
+            for bit in ContactStatus
             if status[i] & bit
         }
         for pair, bit in sorted(seen - reported.statuses):
-            a, b = (self._model.geometries[side] for side in self._sides(pair))
-            message = (
-                f"contact of {a.name} and {b.name}: {_STATUS[bit]}; take shorter steps, or stiffer "
-                "contact"
-            )
+            touching = self._model.pairs[pair]
+            a, b = (self._model.geometries[side].name for side in (touching.a, touching.b))
+            meaning = _MEANING[touching.web, bit]
+            message = f"contact of {a} and {b}: {meaning}; take shorter steps, or stiffer contact"
             if self._when_deep == "raise":
                 raise RuntimeError(message)
             warnings.warn(message, RuntimeWarning, stacklevel=2)
         return replace(reported, statuses=reported.statuses | seen)
-
-    def _sides(self, pair: int) -> tuple[int, int]:
-        return self._model.pairs[pair].a, self._model.pairs[pair].b
 
     def _look_for_instability(
         self, reported: Reported, forces: Forces, poses: Callable[[], NDArray[np.float64]]

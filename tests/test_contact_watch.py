@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from pydrake.common import MemoryFile
-from pydrake.geometry import InMemoryMesh, Mesh
+from pydrake.geometry import Box, InMemoryMesh, Mesh
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, SpatialInertia, UnitInertia
@@ -17,6 +17,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from scipy.spatial.transform import Rotation
 
+from contact_toolkit import ContactStatus
 from systems import AddNonlinearDamperContact, ContactConfig
 from systems.explicit_stability import ContactFrequency
 
@@ -159,3 +160,75 @@ def test_frequency_is_bounded_and_not_by_much(num_springs):
 
 def test_without_contact_nothing_swings():
     assert bound_of(*random_case(0, 0)) == 0
+
+
+FACET = {"web": "facet", "standoff": 0.02}
+SHELL = {"web": "area", "standoff": 0.02}
+TOUCH = {"web": "area"}
+
+
+def tip_in_ground(ground: str, height: float, contact: dict, when_deep: str = "warn"):
+    """Hold a tip over a triangle or a block; return a simulator and the statuses."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
+    body = plant.AddRigidBody("spike", SpatialInertia(1e6, [0, 0, 0.07], UnitInertia(1, 1, 1)))
+    spike, triangle = (
+        Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".obj", "mesh")), 1.0)
+        for text in (TIP_DOWN, TRIANGLE)
+    )
+    below = triangle if ground == "triangle" else Box(1, 1, 0.2)
+    top = [0, 0, 0 if ground == "triangle" else -0.1]
+    for owner, shape, at in ((body, spike, [0, 0, 0]), (plant.world_body(), below, top)):
+        plant.RegisterCollisionGeometry(
+            owner, RigidTransform(at), shape, "shape", CoulombFriction(0, 0)
+        )
+    plant.Finalize()
+    config = ContactConfig(k=K, alpha=0.0, when_deep=when_deep, **contact)
+    system = AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
+    simulator = Simulator(builder.Build())
+    context = simulator.get_context()
+    plant.SetPositions(plant.GetMyContextFromRoot(context), [1, 0, 0, 0, 0, 0, height])
+    contacts = system.get_contacts_output_port().Eval(system.GetMyContextFromRoot(context))
+    return simulator, contacts.status
+
+
+@pytest.mark.parametrize(
+    ("ground", "height", "contact", "status", "meaning"),
+    [
+        ("triangle", -1e-3, FACET, ContactStatus.CROSSED, "surfaces cross: .* than the standoff"),
+        ("block", -1e-3, FACET, ContactStatus.CROSSED, "surfaces cross: .* than the standoff"),
+        (
+            "triangle",
+            -1e-3,
+            SHELL,
+            ContactStatus.CROSSED,
+            "passed through the other's open surface",
+        ),
+        ("block", -0.105, TOUCH, ContactStatus.BEYOND_CAPTURE, "deeper than half .* thickness"),
+    ],
+)
+def test_too_deep_is_told_once_with_the_names(ground, height, contact, status, meaning):
+    """A body pushed the wrong way, or not at all, without a word."""
+    simulator, found = tip_in_ground(ground, height, contact)
+    assert len(found) > 0
+    assert (found == status).all()
+    with pytest.warns(RuntimeWarning, match=meaning) as told:
+        simulator.AdvanceTo(0.02)
+    assert len(told) == 1
+    assert "spike" in str(told[0].message)
+    assert "world" in str(told[0].message)
+    simulator, _ = tip_in_ground(ground, height, contact, "raise")
+    with pytest.raises(RuntimeError, match=meaning):
+        simulator.AdvanceTo(0.02)
+
+
+@pytest.mark.parametrize(
+    ("ground", "height", "contact"),
+    [("triangle", 1e-3, FACET), ("triangle", 1e-3, SHELL), ("block", -0.05, TOUCH)],
+)
+def test_what_is_not_too_deep_is_not_told(ground, height, contact):
+    simulator, found = tip_in_ground(ground, height, contact, "raise")
+    assert len(found) > 0
+    assert (found == 0).all()
+    simulator.AdvanceTo(0.02)

@@ -24,6 +24,7 @@ ContactArrays ListContacts(const Forces& forces) {
       list.friction_force_F.push_back(X_FA.R * force.friction_A);
       list.multiplicity.push_back(springs.multiplicity[s]);
       list.anchored.push_back(force.anchored);
+      list.status.push_back(springs.status);
     }
   }
   return list;

@@ -20,6 +20,7 @@ struct ContactArrays {
   std::vector<Vec3> friction_force_F;  // on A
   std::vector<std::int32_t> multiplicity;
   std::vector<std::uint8_t> anchored;
+  std::vector<std::int32_t> status;  // of the pair, see ContactStatus
 };
 
 ContactArrays ListContacts(const Forces& forces);

@@ -94,6 +94,7 @@ void FacetWeb::Load(const WitnessPairs& pairs, SpringSet* springs) const {
     const double deformation = standoff_ - pairs.distance[i];
     springs->facet_pairs += pairs.multiplicity[i];
     if (!(deformation > 0)) continue;
+    if (pairs.distance[i] == 0) springs->status |= kCrossed;
     const double weight = weighting_ == Weighting::kUnit ? 1.0 : pairs.multiplicity[i];
     const double elastic = k_ * weight * (n_ == 1 ? deformation : std::pow(deformation, n_));
     springs->key.push_back(KeyOf(pairs.feature_a[i], pairs.feature_b[i]));

@@ -17,7 +17,8 @@ enum class Weighting {
 };
 
 // Spring i has the elastic force k w δⁿ with δ = standoff − distance and w by the weighting. Facets
-// that cross have distance zero, hence the full standoff as deformation.
+// that cross have distance zero, hence the full standoff as deformation and no side any more: the
+// status says so.
 class FacetWeb final : public SpringWeb {
  public:
   FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B, double k,

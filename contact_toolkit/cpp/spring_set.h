@@ -35,7 +35,7 @@ struct SpringSet {
 enum ContactStatus : int {
   kNominal = 0,
   kBeyondCapture = 1,  // deeper than half the probed body's thickness: the direction is unreliable
-  kCrossed = 2,        // an open probed surface has been passed through
+  kCrossed = 2,  // an open probed surface has been passed through; of the facet web, surfaces meet
 };
 
 }  // namespace contact_toolkit

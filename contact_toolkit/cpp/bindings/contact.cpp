@@ -147,7 +147,8 @@ void BindContactArrays(nb::module_& m) {
       .def_prop_ro("normal_force", &Column<double, &C::normal_force>)
       .def_prop_ro("friction_force_F", &Column<double, &C::friction_force_F>)
       .def_prop_ro("multiplicity", &Column<std::int32_t, &C::multiplicity>)
-      .def_prop_ro("anchored", &Column<bool, &C::anchored>);
+      .def_prop_ro("anchored", &Column<bool, &C::anchored>)
+      .def_prop_ro("status", &Column<std::int32_t, &C::status>);
 }
 
 void BindForces(nb::module_& m) {
