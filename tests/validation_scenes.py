@@ -119,12 +119,12 @@ class Scene:
         contact: ContactConfig | None,
         push: Callable[[float], Floats] | None = None,
         *,
-        step: float = 1e-3,
+        step: float | None = 1e-3,
     ) -> Run:
         """Connect contact (None: Drake's own) and a force; return the run at time 0.
 
         A continuous plant takes steps of this length [s], so that no figure hangs on what an error
-        control takes for small.
+        control takes for small; None: as Drake's error control has it.
         """
         self.plant.Finalize()
         if push is not None:
@@ -141,11 +141,13 @@ class Scene:
 class Run:
     """A built scene in motion; `p`, `v` and `w` are those of a free body's origin, in W."""
 
-    def __init__(self, scene: Scene, contact, step: float) -> None:
+    def __init__(self, scene: Scene, contact, step: float | None) -> None:
         self.plant, self.contact = scene.plant, contact
         self.simulator = Simulator(scene.builder.Build())
         self.context = self.simulator.get_mutable_context()
         self.plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
+        if step is None:
+            return
         integrator = self.simulator.get_mutable_integrator()
         integrator.set_maximum_step_size(step)
         integrator.request_initial_step_size_target(step)
