@@ -41,8 +41,11 @@ def read_mesh_file(path: Path) -> Triangles:
         )
     if path.stat().st_size > _MAX_FILE_BYTES:
         raise MeshError(f"{path}: larger than 1 GiB; simplify the mesh")
+    data = path.read_bytes()
+    if not data.strip():
+        raise MeshError(f"{path}: the file is empty; export it again")
     try:
-        return reader(path.read_bytes())
+        return reader(data)
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
 
@@ -98,13 +101,15 @@ def _read_off(data: bytes) -> Triangles:
 
 
 def _read_stl(data: bytes) -> Triangles:
-    promised = struct.unpack_from("<I", data, 80)[0] if len(data) >= _STL_HEADER else -1
-    if len(data) != _STL_HEADER + _STL_FACET * promised:
+    has_header = len(data) >= _STL_HEADER
+    promised = struct.unpack_from("<I", data, 80)[0] if has_header else 0
+    if not has_header or len(data) != _STL_HEADER + _STL_FACET * promised:
         if not data.lstrip().startswith(b"solid"):
-            held = max(0, len(data) - _STL_HEADER) // _STL_FACET
+            if not has_header:
+                raise MeshError("neither text nor a whole binary .stl; export it again")
+            held = (len(data) - _STL_HEADER) // _STL_FACET
             raise MeshError(
-                f"a binary .stl that promises {max(promised, 0)} facets and holds {held}; "
-                f"export it again"
+                f"a binary .stl that promises {promised} facets and holds {held}; export it again"
             )
         if b"endsolid" not in data:
             raise MeshError("ends without endsolid: the file is cut off; export it again")
@@ -124,6 +129,8 @@ def _read_ply(data: bytes) -> Triangles:
 
 
 def _read_glb(data: bytes) -> Triangles:
+    if not data.startswith(b"glTF"):
+        raise MeshError("does not begin with glTF, as a .glb does; export it again")
     return _read_with_trimesh(data, "glb")
 
 
@@ -135,7 +142,7 @@ def _read_with_trimesh(data: bytes, file_type: str) -> Triangles:
         mesh = trimesh.load_mesh(io.BytesIO(data), file_type=file_type, process=False)
         return np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # whatever a broken file raises in the reader
-        raise MeshError(f"not a readable mesh file: {error}") from error
+        raise MeshError(f"not a readable .{file_type} file ({error}); export it again") from error
 
 
 _READERS: dict[str, Callable[[bytes], Triangles]] = {

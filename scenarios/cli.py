@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from contact_toolkit import MeshError
 from scenarios.errors import ScenarioError
@@ -40,8 +41,32 @@ def _mistakes_without_traceback() -> Iterator[None]:
     try:
         yield
     except (ScenarioError, MeshError) as error:
-        Console(stderr=True).print(f"[red]error:[/] {error}", highlight=False, soft_wrap=True)
+        _complain(str(error))
         raise typer.Exit(2) from error
+    except OSError as error:
+        if error.filename is None:
+            raise
+        _complain(f"{error.filename}: {error.strerror}; choose another path")
+        raise typer.Exit(2) from error
+
+
+@contextmanager
+def _mistakes_in(wanted: str) -> Iterator[None]:
+    """Say which scenario holds a mistake that shows only when its diagram is built."""
+    try:
+        yield
+    except (ScenarioError, MeshError) as error:
+        raise ScenarioError(f"{wanted}: {error}") from error
+
+
+def _complain(message: str) -> None:
+    # As Text: in markup, units in brackets would be taken for styles.
+    line = Text.assemble(("error:", "red"), f" {message}")
+    Console(stderr=True).print(line, soft_wrap=True)
+
+
+def _tell(what: str, path: Path) -> None:
+    console.print(Text(f"{what}: {path}"), soft_wrap=True)
 
 
 @app.command("list")
@@ -75,9 +100,15 @@ def run(
         for wanted in library() if everything else [str(name_or_file)]:
             name, scenario = load(wanted, overrides or ())
             folder = (out / name if everything else out) if out else Path("runs") / name
-            summary = run_with_progress(console, name, scenario, folder, live=meshcat)
+            try:
+                with _mistakes_in(wanted):
+                    summary = run_with_progress(console, name, scenario, folder, live=meshcat)
+            except RuntimeError as error:  # of the simulation: its step table, or Drake
+                _complain(f"{wanted}: {error}; what was recorded until then is in {folder}")
+                passed = False
+                continue
             console.print(*summary_tables(summary), sep="\n")
-            console.print(f"playback: {folder / 'playback.html'}", soft_wrap=True)
+            _tell("playback", folder / "playback.html")
             passed &= summary.acceptable
     raise typer.Exit(0 if passed else 1)
 
@@ -90,7 +121,8 @@ def play(name_or_file: Name, overrides: Overrides = None) -> None:
 
     with _mistakes_without_traceback(), tempfile.TemporaryDirectory() as folder:
         name, scenario = load(name_or_file, overrides or ())
-        play_live(console, name, scenario, Path(folder))
+        with _mistakes_in(name_or_file):
+            play_live(console, name, scenario, Path(folder))
 
 
 @app.command()
@@ -100,7 +132,7 @@ def replay(folder: RunFolder) -> None:
         playback = folder.resolve() / "playback.html"
         if not playback.is_file():
             raise ScenarioError(f"{folder}: not a run folder, it has no playback.html")
-        console.print(f"playback: {playback}", soft_wrap=True)
+        _tell("playback", playback)
         webbrowser.open(playback.as_uri())
 
 
@@ -113,7 +145,7 @@ def report(folder: RunFolder) -> None:
     with _mistakes_without_traceback():
         console.print(*summary_tables(Summary.load(folder)), sep="\n")
         for path in redraw(folder):
-            console.print(f"figure: {path}", soft_wrap=True)
+            _tell("figure", path)
 
 
 @app.command()
@@ -149,7 +181,7 @@ def inspect(
         opened = open_mesh(mesh)
         console.print(inspection_table(mesh, opened))
         if picture is not None:
-            console.print(f"picture: {draw_mesh(opened, picture)}", soft_wrap=True)
+            _tell("picture", draw_mesh(opened, picture))
 
 
 @app.command()

@@ -18,6 +18,13 @@ from scenarios.errors import ScenarioError
 from scenarios.parts import PARTS, make_part
 
 _KINDS = ("vertex", "edge", "facet")
+_DEFECT_COLOURS = {
+    "open_edges": "red",
+    "non_manifold_edges": "magenta",
+    "inconsistent_edges": "orange",
+    "zero_area_facets": "green",
+    "duplicate_facets": "blue",
+}
 _MOST_FACETS_DRAWN = 200_000  # matplotlib takes seconds beyond
 
 
@@ -40,7 +47,11 @@ def distance_table(
     X_AB[:3, :3] = Rotation.from_euler("xyz", rpy_degrees, degrees=True).as_matrix()
     X_AB[:3, 3] = position
     mesh_a, mesh_b = open_mesh(a), open_mesh(b)
-    pair = distance(mesh_a, mesh_b, X_AB)
+    try:
+        pair = distance(mesh_a, mesh_b, X_AB)
+        near = None if standoff is None else witness_pairs(mesh_a, mesh_b, X_AB, standoff)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from error
     rows = {"distance [m]": f"{pair.distance:.9g}"}
     for name, point, feature, facet in (
         ("A", pair.p_ACa, pair.feature_a, pair.facet_a),
@@ -48,10 +59,9 @@ def distance_table(
     ):
         where = f"{_KINDS[feature[0]]} {feature[1]}, facet {facet}"
         rows[f"witness point on {name}, in A [m]"] = f"{_vector(point)} ({where})"
-    if standoff is not None:
-        pairs = witness_pairs(mesh_a, mesh_b, X_AB, standoff)
-        rows[f"facet pairs within {standoff:g} m"] = str(pairs.multiplicity.sum())
-        rows["witness pairs, merged"] = str(len(pairs))
+    if near is not None:
+        rows[f"facet pairs within {standoff:g} m"] = str(near.multiplicity.sum())
+        rows["witness pairs, merged"] = str(len(near))
     return _table(f"{a} (A) and {b} (B)", rows)
 
 
@@ -68,7 +78,7 @@ def inspection_table(name: str, mesh: CollisionMesh) -> Table:
         "defects": str(mesh.defects),
     }
     rows |= {
-        f"hierarchy: {key.replace('_', ' ')}": f"{value:.4g}"
+        f"hierarchy: {key.replace('_', ' ')}": f"{value:.4g}" if value % 1 else f"{value:.0f}"
         for key, value in mesh.hierarchy.items()
     }
     rows["hierarchy: bytes per facet"] = f"{mesh.hierarchy['bytes'] / len(mesh.faces):.0f}"
@@ -76,7 +86,7 @@ def inspection_table(name: str, mesh: CollisionMesh) -> Table:
 
 
 def draw_mesh(mesh: CollisionMesh, path: Path) -> Path:
-    """Draw the facets, the boxes two levels down the hierarchy, and open edges in red."""
+    """Draw the facets, the boxes two levels below the hierarchy's root, and defects in colour."""
     if len(mesh.faces) > _MOST_FACETS_DRAWN:
         raise MeshError(f"{len(mesh.faces)} facets are too many to draw; simplify the mesh")
     figure = Figure(figsize=(7.0, 7.0), layout="constrained")
@@ -84,16 +94,31 @@ def draw_mesh(mesh: CollisionMesh, path: Path) -> Path:
     facets = mesh.vertices[mesh.faces]
     shade = 0.55 + 0.35 * mesh.face_normals @ np.array([0.3, -0.5, 0.8])
     colours = np.clip(shade[:, None], 0.2, 0.95) * [0.75, 0.85, 1.0]
-    axes.add_collection3d(Poly3DCollection(facets, facecolors=colours, edgecolors="none"))
+    axes.add_collection3d(
+        Poly3DCollection(facets, facecolors=colours, edgecolors=0.8 * colours, linewidths=0.1)
+    )
     boxes = mesh.hierarchy_boxes(min(1, int(mesh.hierarchy["depth"]) - 1))
-    axes.add_collection3d(Line3DCollection(_box_edges(boxes), colors="0.4", linewidths=0.4))
-    bad = np.concatenate([mesh.defects.open_edges, mesh.defects.non_manifold_edges])
-    if len(bad):  # matplotlib fails on collections of nothing
-        axes.add_collection3d(Line3DCollection(mesh.vertices[mesh.edges[bad]], colors="red"))
+    lines = {"hierarchy, two levels down": (_box_edges(boxes), "0.4", 0.4)}
+    for name, colour in _DEFECT_COLOURS.items():
+        found = getattr(mesh.defects, name)
+        edges = np.unique(mesh.face_edges[found]) if name.endswith("facets") else found
+        label = f"{len(found)} {name.replace('_', ' ')}"
+        lines[label] = (mesh.vertices[mesh.edges[edges]], colour, 2.0)
+    for label, (segments, colour, width) in lines.items():
+        if len(segments):  # matplotlib fails on collections of nothing
+            axes.add_collection3d(
+                Line3DCollection(segments, colors=colour, linewidths=width, label=label)
+            )
     limits = np.stack([mesh.lower, mesh.upper])
     axes.set(xlim=limits[:, 0], ylim=limits[:, 1], zlim=limits[:, 2])
-    axes.set_box_aspect(np.maximum(limits[1] - limits[0], 0.01 * mesh.diagonal))
-    figure.savefig(path, dpi=130)
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.locator_params(nbins=5)
+    axes.set_box_aspect(np.maximum(limits[1] - limits[0], 0.01 * mesh.diagonal), zoom=0.9)
+    axes.legend(loc="upper left")
+    try:
+        figure.savefig(path, dpi=130)
+    except ValueError as error:  # a suffix that matplotlib does not write
+        raise ScenarioError(f"{path}: {error}") from error
     return path
 
 

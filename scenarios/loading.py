@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load, yaml_load_typed
 
@@ -13,6 +13,8 @@ from scenarios.errors import ScenarioError
 from scenarios.scenario import Scenario
 
 LIBRARY = Path(__file__).parent / "library"
+
+Place: TypeAlias = tuple[str | int, ...]  # keys and list indices, from the outside in
 
 
 def library() -> dict[str, Path]:
@@ -34,7 +36,7 @@ def load(name_or_file: str, overrides: Sequence[str] = ()) -> tuple[str, Scenari
     for override in overrides:
         _set(raw, override)
     try:
-        scenario = yaml_load_typed(schema=Scenario, data=yaml_dump(raw))
+        scenario = _parse(raw)
     except Exception as error:  # the loader raises whatever a conversion raises
         raise ScenarioError(f"{where}: {_explain(error, raw)}") from error
     try:
@@ -92,28 +94,57 @@ def _set(raw: dict[str, Any], override: str) -> None:
         raise ScenarioError(f"'{override}' cannot be set: {error}") from error
 
 
+def _parse(raw: dict[str, Any]) -> Scenario:
+    scenario: Scenario = yaml_load_typed(schema=Scenario, data=yaml_dump(raw))
+    return scenario
+
+
 def _explain(error: Exception, raw: dict[str, Any]) -> str:
-    """Name the place of an unknown key, which the loader tells without its parents."""
-    unknown = re.search(r"fields \[(.*)\] were unknown", str(error))
-    if unknown is None:
-        empty = [path for path, value in _walk(raw) if value is None]
-        return f"{', '.join(empty)} is empty" if empty else str(error)
-    keys = set(re.findall(r"'([^']*)'", unknown[1]))
-    places = [path for path, _ in _walk(raw) if path.rpartition(".")[2] in keys]
-    return f"unknown key {', '.join(places)}"
+    """Name the entry that the loader stumbled over; it tells unknown keys without their parents."""
+    said = str(error)
+    place, value = _culprit(raw, said)
+    where = ".".join(map(str, place))
+    if not where:
+        return said
+    if value is None:
+        return f"{where} is empty"
+    if "unknown to the schema" in said:
+        return f"unknown key {where}" if f"'{place[-1]}'" in said else f"{where}: {said}"
+    reason = "" if isinstance(error, AssertionError) else f" ({said})"  # it only repeats the value
+    return f"{where} cannot be {value!r}{reason}"
 
 
-def _walk(node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(node, dict):
-        items = list(node.items())
-    elif isinstance(node, list):
-        items = list(enumerate(node))
-    else:
-        return
-    for key, value in items:
-        place = f"{path}.{key}" if path else str(key)
-        yield place, value
-        yield from _walk(value, place)
+def _culprit(raw: dict[str, Any], said: str) -> tuple[Place, Any]:
+    """Return the innermost entry without which the loader does not complain as it `said`."""
+    place: Place = ()
+    node: Any = raw
+    relief = None  # what it says instead; taking away a good entry may be a mistake of its own
+    while isinstance(node, dict | list):
+        for key in node if isinstance(node, dict) else range(len(node)):
+            complaint = _complaint(_without(raw, (*place, key)))
+            if complaint != said and relief in (None, complaint):
+                place, node, relief = (*place, key), node[key], complaint
+                break
+        else:
+            break
+    return place, node
+
+
+def _complaint(raw: dict[str, Any]) -> str:
+    try:
+        _parse(raw)
+    except Exception as error:  # noqa: BLE001  the loader raises whatever a conversion raises
+        return str(error)
+    return ""
+
+
+def _without(raw: dict[str, Any], place: Place) -> dict[str, Any]:
+    copy: dict[str, Any] = deepcopy(raw)
+    node: Any = copy
+    for key in place[:-1]:
+        node = node[key]
+    del node[place[-1]]
+    return copy
 
 
 def _list(names: Any) -> str:

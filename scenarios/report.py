@@ -21,11 +21,11 @@ def scenario_table(scenarios: Mapping[str, Scenario]) -> Table:
     """Return the names of scenarios and what they show."""
     table = Table("scenario", "what it shows", box=None, pad_edge=False)
     for name, scenario in scenarios.items():
-        table.add_row(f"[bold]{name}[/]", scenario.description)
+        table.add_row(Text(name, "bold"), Text(scenario.description))
     return table
 
 
-def summary_tables(summary: Summary) -> list[Table | str]:
+def summary_tables(summary: Summary) -> list[Table | Text]:
     """Return the figures of a run, with their limits, and its counts and verdict."""
     table = Table("figure", "got", "accepted", "", title=summary.scenario, title_justify="left")
     table.columns[1].justify = "right"
@@ -40,7 +40,7 @@ def summary_tables(summary: Summary) -> list[Table | str]:
     table.add_row("real-time factor", f"{summary.real_time_factor:.2f}")
     colour = _COLOURS.get(summary.verdict, "yellow")
     table.add_row("acceptance", f"[bold {colour}]{summary.verdict}[/]")
-    return [table, summary.error] if summary.error else [table]
+    return [table, Text(summary.error)] if summary.error else [table]
 
 
 def redraw(folder: Path) -> list[Path]:

@@ -47,13 +47,18 @@ class Summary:
 
     @classmethod
     def load(cls, folder: Path) -> Summary:
-        """Read `summary.json`; raise ScenarioError if the folder holds none."""
+        """Read `summary.json`; raise ScenarioError if the folder holds none that can be read."""
         path = folder / "summary.json"
         if not path.is_file():
             raise ScenarioError(f"{folder}: not a run folder, it has no summary.json")
-        contents: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        contents["checks"] = [Check(**check) for check in contents["checks"]]
-        return cls(**contents)
+        try:
+            contents: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            contents["checks"] = [Check(**check) for check in contents["checks"]]
+            return cls(**contents)
+        except (ValueError, KeyError, TypeError) as error:
+            raise ScenarioError(
+                f"{path}: not the summary of a run ({error}); run the scenario again"
+            ) from error
 
 
 def versions() -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,11 @@ class GeometryImporter:
         How far facets may lie inside a curved surface, relative to its radius.
     half_space_reach
         Radius [m] about its origin within which a half space is represented; equally deep.
+
+    Raises
+    ------
+    ValueError
+        Where one of these two makes no sense.
     """
 
     def __init__(
@@ -76,6 +82,15 @@ class GeometryImporter:
         tessellation_tolerance: float = 0.005,
         half_space_reach: float = 100.0,
     ) -> None:
+        if not 0 < tessellation_tolerance < 1:
+            raise ValueError(
+                f"tessellation_tolerance must be a share of the radius between 0 and 1, not "
+                f"{tessellation_tolerance}"
+            )
+        if not 0 < half_space_reach < math.inf:
+            raise ValueError(
+                f"half_space_reach must be a finite radius [m] > 0, not {half_space_reach}"
+            )
         self._plant = plant
         # The model's inspector: a context's would show defaults as if they had been given.
         self._inspector = scene_graph.model_inspector()

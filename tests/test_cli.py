@@ -74,6 +74,16 @@ def test_run_prints_the_table_the_verdict_and_the_playback(call, tmp_path):
     assert (tmp_path / "there" / "figures" / "springs.png").is_file()
 
 
+def test_a_simulation_that_stops_says_why_and_where_its_record_is(call, tmp_path):
+    (tmp_path / "drop.yaml").write_text(DROP)
+    settings = ("plant_config.time_step=0.01", "contact.k=1e6")
+    output = call("run", "drop.yaml", *(f for s in settings for f in ("--set", s)), status=1)
+    assert "drop.yaml: the discrete plant's time step of 0.01 s is" in output
+    assert "recorded until then is in runs/drop" in output
+    assert "Traceback" not in output
+    assert (tmp_path / "runs" / "drop" / "summary.json").is_file()
+
+
 def test_play_shows_a_scenario_live_and_keeps_nothing(call, tmp_path):
     (tmp_path / "drop.yaml").write_text(DROP)
     output = call("play", "drop.yaml", typed="\n")
@@ -102,9 +112,20 @@ def test_replay_opens_the_playback_of_a_run(call, tmp_path, monkeypatch):
         (("report", "nowhere"), "not a run folder"),
         (("distance", "doughnut", "torus"), "'torus' is neither a mesh file nor one of"),
         (("inspect", "missing.stl"), "missing.stl: no such file"),
+        (("inspect", "box", "--picture", "nowhere/box.png"), "nowhere/box.png: No such file"),
+        (("inspect", "box", "--picture", "box.bmp3"), "box.bmp3"),
+        (("distance", "box", "box", "--standoff", "-1"), "standoff must be"),
+        (("distance", "box", "box", "--at", "nan", "0", "0"), "not finite"),
+        (("report", "broken"), "broken/summary.json: not the summary of a run"),
+        (("run", "drop.yaml", "--out", "drop.yaml"), "drop.yaml: File exists"),
+        (("run", "drop.yaml", "--set", "contact.k=-1"), "drop.yaml: contact between plate"),
+        (("run", "drop.yaml", "--set", "contact.max_step=-1"), "a time [s] >= 0"),
     ],
 )
-def test_mistakes_end_with_one_clear_line(call, arguments, complaint):
+def test_mistakes_end_with_one_clear_line(call, tmp_path, arguments, complaint):
+    (tmp_path / "drop.yaml").write_text(DROP)
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "summary.json").write_text("{")
     output = call(*arguments, status=2)
     assert complaint in output
     assert "Traceback" not in output
