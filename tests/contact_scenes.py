@@ -1,6 +1,7 @@
 """Two-body scenes for tests of the contact core: body 0 is the ground, body 1 moves."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import mesh_shapes
 import numpy as np
@@ -48,10 +49,29 @@ def facet_model(
     weighting: str = "multiplicity",
     threads: int = 1,
 ) -> ContactModel:
-    geometries = [ContactGeometry("ground", 0, ground), ContactGeometry("body", 1, body)]
-    pair = ContactPair(
-        1, 0, damper, web="facet", standoff=standoff, friction=friction, weighting=weighting
+    return model(
+        body,
+        ground,
+        damper,
+        threads=threads,
+        web="facet",
+        standoff=standoff,
+        friction=friction,
+        weighting=weighting,
     )
+
+
+def model(
+    body: CollisionMesh,
+    ground: CollisionMesh,
+    damper: NonlinearDamper,
+    *,
+    threads: int = 1,
+    **web: Any,  # of ContactPair
+) -> ContactModel:
+    """The body's mesh is A."""
+    geometries = [ContactGeometry("ground", 0, ground), ContactGeometry("body", 1, body)]
+    pair = ContactPair(1, 0, damper, **web)
     return ContactModel(["world", "body"], geometries, [pair], threads=threads)
 
 

@@ -224,21 +224,44 @@ def test_reading_an_accepted_step_again_costs_nothing():
     assert model.find(X_FB, table) is not forces.found
 
 
-def test_remembering_the_last_step_changes_no_bit():
-    doughnut, cone = CollisionMesh(*mesh_shapes.doughnut()), CollisionMesh(*mesh_shapes.cone())
-    model = scenes.facet_model(doughnut, cone, NonlinearDamper(1e4), standoff=0.006)
+@pytest.mark.parametrize(
+    "web",
+    [
+        {"web": "facet", "standoff": 0.006},
+        {"web": "area"},
+        {"web": "area", "field": "exact", "sampled": "b"},
+        {"web": "area", "field": "exact", "standoff": 0.004},
+        {"web": "area", "sampled": "a", "fillet": 2e-3, "standoff": 0.002},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("ground", ["cone", "sheet"])
+def test_remembering_the_last_step_changes_no_bit(web, ground):
+    """Contact would depend on the past (broken: a tenth of the motion, a tenth of the margin)."""
+    shape = mesh_shapes.cone() if ground == "cone" else mesh_shapes.sheet(24, wave=0.02)
+    height = 0.177 if ground == "cone" else 0.02
+    if ground == "sheet" and web["web"] == "area":
+        web = {"standoff": 0.003, **web, "sampled": "a"}  # an open body can only be probed
+    doughnut, ground_mesh = CollisionMesh(*mesh_shapes.doughnut()), CollisionMesh(*shape)
+    model = scenes.model(doughnut, ground_mesh, NonlinearDamper(1e4), **web)
     rng = np.random.default_rng(2)
-    p, table = np.array([0.002, 0.001, 0.177]), model.initial_table()
+    p, q, table = np.array([0.002, 0.001, height]), Rotation.identity(), model.initial_table()
+    loaded = 0
     for i, stride in enumerate(np.geomspace(1e-6, 1e-2, 40)):
-        forces = model.evaluate(scenes.poses(p), scenes.velocities(), table)
+        forces = model.evaluate(scenes.poses(p, q.as_matrix()), scenes.velocities(), table)
         table = model.advance(table, 1e-3 * i, forces)
         for reach in (0.3, 1.0, 10.0):
-            X_FB = scenes.poses(p + reach * stride * rng.normal(size=3))
+            turn = Rotation.from_rotvec(10 * reach * stride * rng.normal(size=3))
+            X_FB = scenes.poses(p + reach * stride * rng.normal(size=3), (turn * q).as_matrix())
             warm = model.evaluate(X_FB, scenes.velocities(), table)
             cold = model.evaluate(X_FB, scenes.velocities())
             assert warm.body_wrenches.tobytes() == cold.body_wrenches.tobytes()
             assert warm.contacts.key.tobytes() == cold.contacts.key.tobytes()
-        p += stride * rng.normal(size=3)
+            assert warm.found.status.tobytes() == cold.found.status.tobytes()
+            loaded += len(warm.found) > 0
+        p = p + stride * rng.normal(size=3)
+        q = Rotation.from_rotvec(5 * stride * rng.normal(size=3)) * q
+    assert loaded > 40
 
 
 def test_taking_a_step_twice_changes_nothing():

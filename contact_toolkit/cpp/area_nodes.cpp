@@ -19,22 +19,6 @@ constexpr double kPatchSpacings = 16;   // the longest edge of a patch's roots
 constexpr double kMostPatches = 50000;  // about: a plate of sheet metal under a pea has large ones
 constexpr int kLeafTriangles = 16;
 
-Sphere SphereAround(const Vec3* points, std::size_t count) {
-  Vec3 lower = points[0], upper = points[0];
-  for (std::size_t i = 1; i < count; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      lower[k] = std::min(lower[k], points[i][k]);
-      upper[k] = std::max(upper[k], points[i][k]);
-    }
-  }
-  Sphere sphere{0.5 * (lower + upper), 0};
-  for (std::size_t i = 0; i < count; ++i) {
-    sphere.radius = std::max(sphere.radius, Norm(points[i] - sphere.center));
-  }
-  sphere.radius *= 1 + 1e-12;  // rounding
-  return sphere;
-}
-
 double AreaOf(const std::array<Vec3, 3>& t) { return 0.5 * Norm(Cross(t[1] - t[0], t[2] - t[0])); }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "area_web.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -9,7 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "clipped_integral.h"
+#include "area_loader.h"
+#include "area_memory.h"
+#include "area_probe.h"
+#include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
@@ -21,44 +23,6 @@ constexpr double kCellsInStandoff = 2;   // about an open surface, whose distanc
 constexpr double kFinestCell = 1e-7;     // of the probed diagonal: cells are counted in 32 bits
 constexpr double kCaptureShare = 0.98;   // of the largest depth: no distance is larger than that
 constexpr double kSmoothedCells = 1.5;   // by which the smooth field flattens the largest depth
-
-// The fields that nodes probe, each remembering what helps with the next node.
-class ExactProbe {
- public:
-  static constexpr bool kTellsSide = true;
-  ExactProbe(const ProbedSurface& surface, const DistanceBounds& bounds)
-      : surface_(surface), bounds_(bounds) {}
-  // Whether the node at p certainly bears no load, found with less work than probing.
-  bool Spares(const Vec3& p, double standoff) const { return bounds_.Beyond(p, 0, standoff); }
-  FieldValue operator()(const Vec3& p) {
-    const FieldValue value = surface_.Probe(p, hint_);
-    hint_ = value.slot;
-    return value;
-  }
-
- private:
-  const ProbedSurface& surface_;
-  const DistanceBounds& bounds_;
-  std::int32_t hint_ = -1;
-};
-
-class SmoothProbe {
- public:
-  static constexpr bool kTellsSide = false;
-  SmoothProbe(const SmoothField& field, const DistanceBounds& bounds)
-      : field_(field), bounds_(bounds) {}
-  bool Spares(const Vec3& p, double standoff) {
-    const SmoothField::Above above = field_.IsAbove(p, standoff, &cursor_);
-    if (above != SmoothField::Above::kUnknown) return above == SmoothField::Above::kYes;
-    return bounds_.Beyond(p, 0, standoff + SmoothField::kDeviation * field_.cell());
-  }
-  FieldValue operator()(const Vec3& p) { return field_.Probe(p, &cursor_); }
-
- private:
-  const SmoothField& field_;
-  const DistanceBounds& bounds_;
-  SmoothField::Cursor cursor_;
-};
 
 bool SamplesA(const AreaBody& A, const AreaBody& B, AreaSide side) {
   if (side != AreaSide::kThinner) return side == AreaSide::kA;
@@ -74,158 +38,6 @@ void Require(bool good, const std::string& message) {
 }
 
 }  // namespace
-
-// The springs at one pose. Patch by patch: deformations at the nodes, integrals over the triangles,
-// then a row for each node that bears load.
-template <typename Probe>
-class AreaWeb::Finder {
- public:
-  Finder(const AreaWeb& web, Probe probe, const Pose& X_AB, SpringSet* springs)
-      : web_(web),
-        probe_(probe),
-        X_AB_(X_AB),
-        X_PS_(web.samples_a_ ? Inverse(X_AB) : X_AB),
-        reach_(web.reach()),
-        springs_(*springs) {}
-
-  void Run() {
-    const auto near = [&](const Sphere& sphere) {
-      return !web_.bounds_->Beyond(X_PS_ * sphere.center, sphere.radius, reach_);
-    };
-    web_.nodes_->tree().ForEach(near, [&](std::int32_t index) {
-      patch_ = &web_.nodes_->patch(index);
-      if (nodes_.size() < patch_->nodes.size()) nodes_.resize(patch_->nodes.size());
-      patch_->tree.ForEach(near, [&](std::int32_t leaf) {
-        const auto [first, last] = patch_->leaves[leaf];
-        for (std::int32_t i = first; i < last; ++i) Load(patch_->triangles[i]);
-      });
-      Emit(index);
-      for (const std::int32_t node : touched_) nodes_[node].state = State::kUntouched;
-      touched_.clear();
-    });
-  }
-
- private:
-  enum class State : std::uint8_t { kUntouched, kFar, kProbed };
-  struct Node {
-    State state = State::kUntouched;
-    Vec3 p;  // in the probed body
-    double deformation = 0;
-    double integral = 0;
-    FieldValue field;
-  };
-
-  // Whether the node may be loaded: if not, its deformation need not be known.
-  bool Touch(std::int32_t index) {
-    Node& node = nodes_[index];
-    if (node.state == State::kUntouched) {
-      touched_.push_back(index);
-      ++springs_.facet_pairs;
-      node.integral = 0;
-      node.p = X_PS_ * patch_->nodes[index];
-      if (probe_.Spares(node.p, web_.options_.standoff)) {
-        node.state = State::kFar;
-      } else {
-        ProbeAt(&node);
-      }
-    }
-    return node.state == State::kProbed && node.deformation > 0;
-  }
-
-  void ProbeAt(Node* node) {
-    node->field = probe_(node->p);
-    node->deformation = web_.options_.standoff - node->field.phi;
-    node->state = State::kProbed;
-  }
-
-  void Load(const AreaPatch::Triangle& triangle) {
-    const auto [a, b, c] = triangle.node;
-    const bool touches_a = Touch(a), touches_b = Touch(b), touches_c = Touch(c);
-    if (!(touches_a || touches_b || touches_c)) return;
-    std::array<double, 3> d;
-    std::array<double*, 3> I;
-    for (int j = 0; j < 3; ++j) {
-      Node& node = nodes_[triangle.node[j]];
-      if (node.state == State::kFar) ProbeAt(&node);
-      d[j] = node.deformation;
-      I[j] = &node.integral;
-    }
-    if (web_.options_.exponent == 1) {
-      AddClippedIntegral(triangle.area, d, I);
-    } else {
-      AddClippedIntegral(triangle.area, d, web_.options_.exponent, I);
-    }
-    if (!web_.surface_->closed() && Crosses(triangle)) springs_.status |= kCrossed;
-  }
-
-  // Whether corners lie on both sides of an open surface.
-  bool Crosses(const AreaPatch::Triangle& triangle) {
-    bool front = false, back = false;
-    for (const std::int32_t index : triangle.node) {
-      Node& node = nodes_[index];
-      if constexpr (!Probe::kTellsSide) node.field.side = web_.surface_->Probe(node.p).side;
-      front |= node.field.side > 0;
-      back |= node.field.side < 0;
-    }
-    return front && back;
-  }
-
-  void Emit(std::int32_t patch_index) {
-    std::size_t row = springs_.size(), loaded = 0;
-    for (const std::int32_t index : touched_) loaded += nodes_[index].integral > 0;
-    Resize(row + loaded);
-    const double K = web_.options_.stiffness, share = 1 / (web_.options_.exponent + 1);
-    for (const std::int32_t index : touched_) {
-      const Node& node = nodes_[index];
-      if (!(node.integral > 0)) continue;
-      const Vec3& gradient = node.field.gradient;
-      if (-node.field.phi > web_.capture_depth_) springs_.status |= kBeyondCapture;
-      const double elastic = K * node.integral;
-      springs_.key[row] = static_cast<std::uint64_t>(patch_index) << 32 | index;
-      springs_.deformation[row] = node.deformation;
-      springs_.elastic[row] = elastic;
-      // The energy is homogeneous of degree n + 1 in the deformations, whose derivatives are
-      // elastic.
-      springs_.energy[row] = share * elastic * node.deformation;
-      springs_.stiffness[row] = K * patch_->weight[index];
-      springs_.multiplicity[row] = 1;
-      const Vec3 foot = node.p - node.field.phi * Normalized(gradient);
-      if (web_.samples_a_) {
-        springs_.p_AC[row] = springs_.p_ACa[row] = patch_->nodes[index];
-        springs_.p_ACb[row] = X_AB_ * foot;
-        springs_.gradient_A[row] = X_AB_.R * gradient;
-      } else {
-        springs_.p_AC[row] = springs_.p_ACb[row] = node.p;
-        springs_.p_ACa[row] = foot;
-        springs_.gradient_A[row] = -gradient;
-      }
-      ++row;
-    }
-  }
-
-  void Resize(std::size_t rows) {
-    springs_.key.resize(rows);
-    springs_.deformation.resize(rows);
-    springs_.elastic.resize(rows);
-    springs_.energy.resize(rows);
-    springs_.stiffness.resize(rows);
-    springs_.p_AC.resize(rows);
-    springs_.gradient_A.resize(rows);
-    springs_.p_ACa.resize(rows);
-    springs_.p_ACb.resize(rows);
-    springs_.multiplicity.resize(rows);
-  }
-
-  const AreaWeb& web_;
-  Probe probe_;
-  const Pose X_AB_, X_PS_;
-  const double reach_;
-  SpringSet& springs_;
-  const AreaPatch* patch_ = nullptr;
-  // Kept by the thread for the next query; between patches all nodes are untouched.
-  static inline thread_local std::vector<Node> nodes_;
-  static inline thread_local std::vector<std::int32_t> touched_;
-};
 
 AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBody> B,
                  const AreaWebOptions& options)
@@ -268,14 +80,90 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
 
 double AreaWeb::reach() const { return options_.standoff + SmoothField::kDeviation * cell_; }
 
+Pose AreaWeb::PoseOfSampled(const Pose& X_AB) const { return samples_a_ ? Inverse(X_AB) : X_AB; }
+
+template <typename Function>
+auto AreaWeb::WithProbe(const Function& function) const {
+  return smooth_ ? function(SmoothProbe(*smooth_, *bounds_, options_.standoff))
+                 : function(ExactProbe(*surface_, *bounds_, options_.standoff));
+}
+
+// `way(p, radius)`: how far the points of a ball may yet move.
+template <typename Probe, typename Way>
+void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
+                     AreaCandidates* candidates) const {
+  const auto near = [&](const Sphere& sphere) {
+    return !bounds_->Beyond(X_PS * sphere.center, sphere.radius,
+                            reach() + way(sphere.center, sphere.radius));
+  };
+  const auto spares = [&](const Vec3& p) { return probe->Spares(X_PS * p, way(p, 0)); };
+  GatherCandidates(*nodes_, near, spares, candidates);
+}
+
 void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
-  springs->clear();
+  thread_local AreaCandidates candidates;
+  WithProbe([&](auto probe) {
+    const auto nowhere = [](const Vec3&, double) { return 0.0; };
+    Gather(PoseOfSampled(X_AB), nowhere, &probe, &candidates);
+    Loader(*this, candidates, probe, X_AB, springs).Run(0);
+  });
+  if (fillets_) fillets_->AddSprings(X_AB, springs);
+}
+
+void AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
+  const auto& near = static_cast<const AreaMemory&>(memory);
+  const double motion = near.Motion(PoseOfSampled(X_AB));
+  if (motion > near.slack) return FindSprings(X_AB, springs);
   if (smooth_) {
-    Finder<SmoothProbe>(*this, SmoothProbe(*smooth_, *bounds_), X_AB, springs).Run();
+    const SmoothProbe probe(*smooth_, *bounds_, options_.standoff);
+    Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
   } else {
-    Finder<ExactProbe>(*this, ExactProbe(*surface_, *bounds_), X_AB, springs).Run();
+    const RecallingProbe probe(*surface_, near.facets, motion);
+    Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
   }
   if (fillets_) fillets_->AddSprings(X_AB, springs);
+}
+
+std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, const Pose& last_X_AB,
+                                                   const Pose& X_AB,
+                                                   std::shared_ptr<const WebMemory> before) const {
+  if (springs.size() == 0) return nullptr;
+  const Pose last_X_PS = PoseOfSampled(last_X_AB), X_PS = PoseOfSampled(X_AB);
+  if (const auto* kept = static_cast<const AreaMemory*>(before.get())) {
+    if (kept->Motion(X_PS) + MotionAround(kept->around, last_X_PS, X_PS) <= kept->slack) {
+      return before;
+    }
+  }
+  Sphere around = SphereAround(springs.p_AC.data(), springs.size());
+  if (!samples_a_) around.center = Inverse(X_AB) * around.center;
+  around.radius = std::max(around.radius, spacing_);
+  const double slack = kAreaSlack * spacing_;
+  // Gathering must serve at least one more step such as the last.
+  if (2 * MotionAround(around, last_X_PS, X_PS) > slack) return nullptr;
+  auto memory = std::make_shared<AreaMemory>();
+  memory->X_PS = X_PS;
+  memory->around = around;
+  memory->slack = slack;
+  WithProbe([&](auto probe) { GatherNear(&probe, memory.get()); });
+  return memory;
+}
+
+template <typename Probe>
+void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
+  const Pose& X_PS = memory->X_PS;
+  const auto way = [&](const Vec3& p, double radius) { return memory->Way(p, radius); };
+  AreaCandidates& candidates = memory->candidates;
+  Gather(X_PS, way, probe, &candidates);
+  for (AreaCandidates::Node& node : candidates.nodes) {
+    if (node.clearance > 0) continue;
+    const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff;
+    node.clearance = std::nextafter(static_cast<float>(above / Probe::kSteepest), -HUGE_VALF);
+  }
+  memory->Prune();
+  if (smooth_) return;
+  for (const AreaCandidates::Node& node : candidates.nodes) {
+    memory->facets.Add(surface_->mesh().bvh(), X_PS * node.p, memory->slack);
+  }
 }
 
 }  // namespace contact_toolkit

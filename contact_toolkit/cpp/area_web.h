@@ -15,6 +15,9 @@
 
 namespace contact_toolkit {
 
+struct AreaCandidates;
+struct AreaMemory;
+
 enum class AreaField {
   kExact,   // the distance itself; its gradient jumps where the closest facet changes
   kSmooth,  // SmoothField: continuous forces, at a tenth of the time; convex edges slightly rounded
@@ -43,6 +46,12 @@ class AreaWeb final : public SpringWeb {
   // its facets is loaded. Whichever body is sampled, rows speak of A and B as SpringSet says.
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
 
+  void RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
+
+  std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
+                                            const Pose& X_AB,
+                                            std::shared_ptr<const WebMemory> before) const override;
+
   double reach() const override;
 
   bool samples_a() const { return samples_a_; }
@@ -53,7 +62,16 @@ class AreaWeb final : public SpringWeb {
 
  private:
   template <typename Probe>
-  class Finder;
+  class Loader;
+
+  // Of the sampled body in the probed one.
+  Pose PoseOfSampled(const Pose& X_AB) const;
+  template <typename Function>
+  auto WithProbe(const Function& function) const;
+  template <typename Probe, typename Way>
+  void Gather(const Pose& X_PS, const Way& way, Probe* probe, AreaCandidates* candidates) const;
+  template <typename Probe>
+  void GatherNear(Probe* probe, AreaMemory* memory) const;
 
   AreaWebOptions options_;
   bool samples_a_;

@@ -214,7 +214,7 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
                                     forces->StretchesOf(i), forces->SpringsOf(i), state.anchors);
     }
     const Pose last_X_AB = last ? PoseOf(pair, last->found->X_FB) : loaded.X_AB;
-    state.memory = pair.web->Remember(last_X_AB, loaded.X_AB, state.memory);
+    state.memory = pair.web->Remember(loaded.springs, last_X_AB, loaded.X_AB, state.memory);
     next->pairs[i] = std::move(state);
   });
   next->forces = forces;

@@ -74,7 +74,8 @@ void FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSe
   Load(pairs, springs);
 }
 
-std::shared_ptr<const WebMemory> FacetWeb::Remember(const Pose& last_X_AB, const Pose& X_AB,
+std::shared_ptr<const WebMemory> FacetWeb::Remember(const SpringSet& /*springs*/,
+                                                    const Pose& last_X_AB, const Pose& X_AB,
                                                     std::shared_ptr<const WebMemory> before) const {
   const double motion = Motion(*B_, last_X_AB, X_AB);
   const double slack = kCandidateSlack * standoff_;

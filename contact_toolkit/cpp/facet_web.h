@@ -26,7 +26,8 @@ class FacetWeb final : public SpringWeb {
 
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
   void RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
-  std::shared_ptr<const WebMemory> Remember(const Pose& last_X_AB, const Pose& X_AB,
+  std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
+                                            const Pose& X_AB,
                                             std::shared_ptr<const WebMemory> before) const override;
   double reach() const override { return standoff_; }
   bool CarriesStretch() const override { return true; }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "simd/lanes.h"
 #include "tolerances.h"
@@ -71,6 +72,12 @@ class Search {
   }
 
   void Run() {
+    ForEachNear([this](std::int32_t slot) { Try(slot); });
+  }
+
+  // Calls visit(slot) for the facets that may be within the limit, which it may lower.
+  template <typename Visit>
+  void ForEachNear(const Visit& visit) const {
     const Query query(bvh_, p_);
     Entry shallow[kStack];
     std::unique_ptr<Entry[]> deep;
@@ -99,7 +106,7 @@ class Search {
       if (node.bottom()) {
         while (last > first) {
           const Entry facet = *--last;
-          if (!(facet.bound > limit_)) Try(facet.index);
+          if (!(facet.bound > limit_)) visit(facet.index);
         }
       }
       size = static_cast<int>(last - stack);
@@ -119,6 +126,9 @@ class Search {
     TryEdge(slot, corner[0], corner[2], 0b001, 0b100);
     TryEdge(slot, corner[1], corner[2], 0b010, 0b100);
   }
+
+  // Whether a facet at this squared distance or farther cannot be the closest.
+  bool Settled(double squared) const { return squared > best_.squared_distance; }
 
   ClosestPoint Take() const { return best_.slot < 0 ? ClosestPoint{} : best_; }
 
@@ -199,6 +209,30 @@ ClosestPoint FindClosestPoint(const Bvh& bvh, const Vec3& p, double squared_boun
   Search search(bvh, p, squared_bound);
   if (hint_slot >= 0) search.Try(hint_slot);
   search.Run();
+  return search.Take();
+}
+
+void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::vector<NearFacet>* facets) {
+  facets->clear();
+  const double reach = std::sqrt(FindClosestPoint(bvh, p).squared_distance) + margin;
+  Search(bvh, p, reach * reach).ForEachNear([&](std::int32_t slot) {
+    Search alone(bvh, p, std::numeric_limits<double>::infinity());
+    alone.Try(slot);
+    const double distance = std::sqrt(alone.Take().squared_distance);
+    if (distance > reach) return;
+    facets->push_back({std::nextafter(static_cast<float>(distance), 0.0f), slot});
+  });
+  std::ranges::sort(*facets, {}, [](const NearFacet& f) { return std::pair(f.distance, f.slot); });
+}
+
+ClosestPoint FindClosestAmong(const Bvh& bvh, const Vec3& p, std::span<const NearFacet> facets,
+                              double motion) {
+  Search search(bvh, p, std::numeric_limits<double>::infinity());
+  for (const auto& [distance, slot] : facets) {
+    const double least = std::max(0.0, distance - motion);
+    if (search.Settled(least * least)) break;
+    search.Try(slot);
+  }
   return search.Take();
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "mesh.h"
 #include "vec.h"
@@ -25,6 +27,21 @@ struct ClosestPoint {
 ClosestPoint FindClosestPoint(const Bvh& bvh, const Vec3& p,
                               double squared_bound = std::numeric_limits<double>::infinity(),
                               std::int32_t hint_slot = -1);
+
+// A facet by its slot, and its distance [m] rounded down from a point.
+struct NearFacet {
+  float distance;
+  std::int32_t slot;
+};
+
+// Replaces what `facets` held by the facets no more than `margin` [m] farther away than the closest
+// one, nearest first.
+void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::vector<NearFacet>* facets);
+
+// What FindClosestPoint() finds, when the closest facets are among those given, nearest first, and
+// none has come closer to p than its distance less `motion` [m].
+ClosestPoint FindClosestAmong(const Bvh& bvh, const Vec3& p, std::span<const NearFacet> facets,
+                              double motion);
 
 // The vertex, edge or facet of the mesh that a closest point lies on.
 Feature FeatureOf(const CollisionMesh& mesh, const ClosestPoint& closest);

@@ -1,8 +1,14 @@
 #include "probed_surface.h"
 
+#include <limits>
 #include <utility>
 
 namespace contact_toolkit {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 ProbedSurface::ProbedSurface(std::shared_ptr<const CollisionMesh> mesh)
     : mesh_(std::move(mesh)), closed_(mesh_->defects().closed()) {
@@ -33,7 +39,17 @@ bool ProbedSurface::OnBoundary(const Feature& feature) const {
 }
 
 FieldValue ProbedSurface::Probe(const Vec3& p, std::int32_t hint_slot) const {
-  const SignedDistance at = FindSignedDistance(*mesh_, p, hint_slot);
+  return ValueAt(p, FindClosestPoint(mesh_->bvh(), p, kInfinity, hint_slot));
+}
+
+FieldValue ProbedSurface::Probe(const Vec3& p, std::span<const NearFacet> facets,
+                                double motion) const {
+  if (facets.empty()) return Probe(p);
+  return ValueAt(p, FindClosestAmong(mesh_->bvh(), p, facets, motion));
+}
+
+FieldValue ProbedSurface::ValueAt(const Vec3& p, const ClosestPoint& closest) const {
+  const SignedDistance at = SignOf(*mesh_, p, closest);
   if (closed_) return {at.distance, at.gradient, 0, at.slot};
   const double side = at.distance < 0 ? -1 : 1;
   return {side * at.distance, side * at.gradient,

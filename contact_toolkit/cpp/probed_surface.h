@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "mesh.h"
@@ -28,8 +29,12 @@ class ProbedSurface {
   bool closed() const { return closed_; }
 
   FieldValue Probe(const Vec3& p, std::int32_t hint_slot = -1) const;
+  // The same where the closest facets are among those given, see FindClosestAmong(); none:
+  // searched.
+  FieldValue Probe(const Vec3& p, std::span<const NearFacet> facets, double motion) const;
 
  private:
+  FieldValue ValueAt(const Vec3& p, const ClosestPoint& closest) const;
   bool OnBoundary(const Feature& feature) const;
 
   std::shared_ptr<const CollisionMesh> mesh_;

@@ -36,6 +36,9 @@ class SmoothField {
   // [-] Cells by which the field and the distance differ at most: the distance changes no faster
   // than the point moves, so the spline adds √(3/4), and the second differences an eighth of 6.
   static constexpr double kDeviation = 1.62;
+  // [-] Its gradient is no longer than this: the largest of a spline over distances that change no
+  // faster than the point moves is 2.13 (by linear programming), diagonally at a cell's corner.
+  static constexpr double kSteepest = 2.2;
 
  private:
   static constexpr int kBrickBits = 3;

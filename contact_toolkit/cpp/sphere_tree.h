@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,23 @@ struct Sphere {
   Vec3 center;
   double radius = 0;
 };
+
+// Around points, of which there must be some; about their bounding box's centre.
+inline Sphere SphereAround(const Vec3* points, std::size_t count) {
+  Vec3 lower = points[0], upper = points[0];
+  for (std::size_t i = 1; i < count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = std::min(lower[k], points[i][k]);
+      upper[k] = std::max(upper[k], points[i][k]);
+    }
+  }
+  Sphere sphere{0.5 * (lower + upper), 0};
+  for (std::size_t i = 0; i < count; ++i) {
+    sphere.radius = std::max(sphere.radius, Norm(points[i] - sphere.center));
+  }
+  sphere.radius *= 1 + 1e-12;  // rounding
+  return sphere;
+}
 
 class SphereTree {
  public:

@@ -2,17 +2,21 @@
 
 namespace contact_toolkit {
 
+void SpringSet::Resize(std::size_t rows) {
+  key.resize(rows);
+  deformation.resize(rows);
+  elastic.resize(rows);
+  energy.resize(rows);
+  stiffness.resize(rows);
+  p_AC.resize(rows);
+  gradient_A.resize(rows);
+  p_ACa.resize(rows);
+  p_ACb.resize(rows);
+  multiplicity.resize(rows);
+}
+
 void SpringSet::clear() {
-  key.clear();
-  deformation.clear();
-  elastic.clear();
-  energy.clear();
-  stiffness.clear();
-  p_AC.clear();
-  gradient_A.clear();
-  p_ACa.clear();
-  p_ACb.clear();
-  multiplicity.clear();
+  Resize(0);
   status = kNominal;
   facet_pairs = 0;
 }

@@ -25,10 +25,13 @@ struct SpringSet {
   std::vector<Vec3> p_ACa, p_ACb;   // witness points on the two surfaces (for output and pictures)
   std::vector<std::int32_t> multiplicity;  // facet pairs behind the spring; 1 for area nodes
   int status = 0;                          // of the pair: see ContactStatus
-  std::int64_t facet_pairs = 0;  // closer than the standoff (facet web), nodes looked at (area web)
+  // Closer than the standoff (facet web); nodes probed, fewer where memory helped (area web).
+  std::int64_t facet_pairs = 0;
 
   std::size_t size() const { return key.size(); }
   void clear();
+  // What is in new rows, and in old ones, is for the caller to set.
+  void Resize(std::size_t rows);
 };
 
 // Bits of SpringSet::status.

@@ -35,9 +35,10 @@ class SpringWeb {
     FindSprings(X_AB, springs);
   }
 
-  // What to remember after a step from one pose to another: `before`, anew, or nothing (null).
+  // What to remember after a step from one pose to another, where it found these springs: `before`,
+  // anew, or nothing (null).
   virtual std::shared_ptr<const WebMemory> Remember(
-      const Pose& /*last_X_AB*/, const Pose& /*X_AB*/,
+      const SpringSet& /*springs*/, const Pose& /*last_X_AB*/, const Pose& /*X_AB*/,
       std::shared_ptr<const WebMemory> /*before*/) const {
     return nullptr;
   }

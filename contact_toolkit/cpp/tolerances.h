@@ -100,6 +100,10 @@ inline constexpr double kShortestSlice = 1e-9;
 // larger one lasts longer and costs more.
 inline constexpr double kCandidateSlack = 0.25;
 
+// [-] Share of the node spacing by which a body may move while the area web relies on what it
+// remembers, for the same reason.
+inline constexpr double kAreaSlack = 0.125;
+
 // [-] A step that loses less than this share of the energy stored and lost so far is summed up from
 // its ends alone: a body at rest costs nothing more.
 inline constexpr double kLedgerTolerance = 1e-7;
