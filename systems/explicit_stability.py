@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.framework import Context
 
 from contact_toolkit import ContactArrays
 
@@ -35,7 +36,8 @@ class ContactFrequency:
         self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], pair_bodies: NDArray[np.intp]
     ) -> None:
         self._pair_bodies = pair_bodies
-        self._mobility_B = np.array([_mobility(plant, body) for body in bodies])
+        context = plant.CreateDefaultContext()
+        self._mobility_B = np.array([_mobility(plant, context, body) for body in bodies])
 
     def bound(self, X_WB: Floats, contacts: ContactArrays) -> float:
         """Return a bound on the highest frequency [rad/s]; zero without contact.
@@ -78,7 +80,7 @@ class ContactFrequency:
         return math.sqrt(square)
 
 
-def _mobility(plant: MultibodyPlant, index: BodyIndex) -> Floats:
+def _mobility(plant: MultibodyPlant, context: Context, index: BodyIndex) -> Floats:
     """Return the inverse spatial inertia (6, 6) of a body and what is welded to it, about Bo in B.
 
     Zero for anchored bodies and for bodies without mass, which only their joints make heavy.
@@ -87,6 +89,6 @@ def _mobility(plant: MultibodyPlant, index: BodyIndex) -> Floats:
     if plant.IsAnchored(body):
         return np.zeros((6, 6))
     welded = [each.index() for each in plant.GetBodiesWeldedTo(body)]
-    inertia = plant.CalcSpatialInertia(plant.CreateDefaultContext(), body.body_frame(), welded)
+    inertia = plant.CalcSpatialInertia(context, body.body_frame(), welded)
     matrix = inertia.CopyToFullMatrix6()
     return np.linalg.inv(matrix) if np.linalg.matrix_rank(matrix) == 6 else np.zeros((6, 6))

@@ -15,6 +15,7 @@ from contact_toolkit import (
     ContactGeometry,
     ContactModel,
     ContactPair,
+    Friction,
     NonlinearDamper,
     StepTable,
     witness_pairs,
@@ -25,7 +26,7 @@ pytestmark = pytest.mark.engine
 TRIPOD = ((0.1, 0.0), (-0.05, 0.09), (-0.05, -0.09))
 
 
-def crowd(threads: int = 1) -> tuple[ContactModel, np.ndarray, np.ndarray]:
+def crowd(threads: int = 1, web: str = "facet") -> tuple[ContactModel, np.ndarray, np.ndarray]:
     """Six bodies in a heap, every pair declared, one body with two geometries."""
     rng = np.random.default_rng(3)
     shapes = [mesh_shapes.doughnut(), mesh_shapes.cube(0.06), mesh_shapes.ball(1, radius=0.04)]
@@ -36,7 +37,7 @@ def crowd(threads: int = 1) -> tuple[ContactModel, np.ndarray, np.ndarray]:
     ]
     damper = NonlinearDamper(k=1e3, alpha=0.4)
     pairs = [
-        ContactPair(a, b, damper, web="facet", standoff=0.01)
+        ContactPair(a, b, damper, web=web, standoff=0.01, friction=Friction(0.4))
         for a in range(7)
         for b in range(a)
         if a % 6 != b % 6
@@ -106,6 +107,27 @@ def test_forces_and_moments_of_all_bodies_sum_to_zero(offset):
     assert scale > 1
     assert_allclose(wrenches[:, 3:].sum(0), 0, atol=1e-12 * scale)
     assert_allclose(moments.sum(0), 0, atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("web", ["area", "facet"])
+def test_contacts_listed_add_up_to_the_wrenches(web):
+    """Rows that tell forces, directions, points or pairs otherwise than they act."""
+    model, X_FB, V_FB = crowd(web=web)
+    forces = model.evaluate(X_FB, V_FB)
+    contacts = forces.contacts
+    assert len(contacts) > 100
+    assert repr(contacts) == (
+        f"ContactArrays({len(contacts)} springs of {len(forces.found.pairs)} pairs)"
+    )
+    force_on_a = contacts.normal_force[:, None] * contacts.normal_F + contacts.friction_force_F
+    wrenches = np.zeros((6, 6))
+    for side, sign in (("a", 1), ("b", -1)):
+        geometry = np.array([getattr(pair, side) for pair in model.pairs])[contacts.pair]
+        body = np.array([geometry.body for geometry in model.geometries])[geometry]
+        moment = np.cross(contacts.p_FC - X_FB[body, :3, 3], force_on_a)
+        np.add.at(wrenches, body, sign * np.hstack([moment, force_on_a]))
+    assert np.abs(contacts.friction_force_F).max() > 0
+    assert_allclose(wrenches, forces.body_wrenches, atol=1e-12 * np.abs(wrenches).max())
 
 
 def test_contact_far_from_the_origin_is_the_same():

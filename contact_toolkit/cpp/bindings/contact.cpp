@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "arrays.h"
@@ -100,8 +101,85 @@ auto PerPair(const Found& found, Function value) {
   return ToNumpy<T>(std::move(values));
 }
 
+constexpr const char* kFoundDoc = R"(The loaded springs of all pairs at given poses; immutable.
+
+Attributes
+----------
+pairs
+    (m,) indices of the pairs in contact, ascending; the other arrays go with it.
+num_springs
+    (m,) loaded springs of each; their sum is the object's length.
+num_probed
+    (m,) facet pairs within the standoff (facet web), nodes looked at (area web).
+status
+    (m,) bits of `ContactStatus`.
+)";
+
+constexpr const char* kContactArraysDoc = R"(The loaded springs of a model, one row each; immutable.
+
+In the common frame F of the model's bodies, which is W where a Drake system puts them out. A and B
+are the geometries `model.pairs[pair].a` and `.b`. The force on A, applied at C, is
+normal_force[:, None] * normal_F + friction_force_F, and B feels the opposite.
+
+Attributes
+----------
+pair
+    (n,) index into `ContactModel.pairs`, ascending.
+key
+    (n,) names the spring from step to step: two features (facet web), a node (area web).
+p_FC
+    (n, 3) point of application, midway between the witness points [m].
+p_FCa, p_FCb
+    (n, 3) witness points on A and B [m].
+normal_F
+    (n, 3) unit vectors from B towards A.
+deformation, rate
+    (n,) δ [m], and δ̇ [m/s], positive approaching. The area web integrates δ over the facets around
+    its nodes, so that of a node at the rim of a contact may be a little below zero.
+stiffness
+    (n,) of the spring along its normal [N/m], at most.
+normal_force
+    (n,) on A along the normal [N]; negative only with adhesion.
+friction_force_F
+    (n, 3) on A [N].
+multiplicity
+    (n,) facet pairs behind the spring; 1 in the area web.
+anchored
+    (n,) whether the spring sticks, rather than slides.
+status
+    (n,) bits of `ContactStatus` of the pair.
+)";
+
+constexpr const char* kForcesDoc = R"(Forces of the springs found; immutable.
+
+Attributes
+----------
+body_wrenches
+    (nb, 6) on each body: torque about Bo [N m], then force [N], in F.
+contacts
+    `ContactArrays`, one row a loaded spring.
+energies
+    (2,) stored in normal and in tangential deformation [J].
+powers
+    (2,) being lost in damping and to friction [W].
+found
+    The springs they are of.
+)";
+
+constexpr const char* kStepTableDoc = R"(What lasts from one accepted step to the next; immutable.
+
+Friction's anchors, which springs there were, and what has been lost.
+
+Attributes
+----------
+time
+    End of the step [s]; −infinity before the first.
+losses
+    (2,) lost in damping and to friction since the first step [J].
+)";
+
 void BindFound(nb::module_& m) {
-  auto found = nb::class_<Found>(m, "Found");
+  auto found = nb::class_<Found>(m, "Found", kFoundDoc);
   CopiesAreTheObject(found);
   found.def("__len__", [](const Found& self) { return self.num_springs; })
       .def_prop_ro("pairs",
@@ -133,8 +211,14 @@ auto Column(nb::handle self) {
 
 void BindContactArrays(nb::module_& m) {
   using C = ContactArrays;
-  nb::class_<C>(m, "ContactArrays")
+  nb::class_<C>(m, "ContactArrays", kContactArraysDoc)
       .def("__len__", [](const C& self) { return self.pair.size(); })
+      .def("__repr__",
+           [](const C& self) {
+             const std::set<std::int32_t> pairs(self.pair.begin(), self.pair.end());
+             return "ContactArrays(" + std::to_string(self.pair.size()) + " springs of " +
+                    std::to_string(pairs.size()) + " pairs)";
+           })
       .def_prop_ro("pair", &Column<std::int32_t, &C::pair>)
       .def_prop_ro("key", &Column<std::uint64_t, &C::key>)
       .def_prop_ro("p_FC", &Column<double, &C::p_FC>)
@@ -152,7 +236,7 @@ void BindContactArrays(nb::module_& m) {
 }
 
 void BindForces(nb::module_& m) {
-  auto forces = nb::class_<Forces>(m, "Forces");
+  auto forces = nb::class_<Forces>(m, "Forces", kForcesDoc);
   CopiesAreTheObject(forces);
   forces
       .def_prop_ro("body_wrenches",
@@ -174,7 +258,7 @@ void BindForces(nb::module_& m) {
 }
 
 void BindStepTable(nb::module_& m) {
-  auto table = nb::class_<StepTable>(m, "StepTable");
+  auto table = nb::class_<StepTable>(m, "StepTable", kStepTableDoc);
   CopiesAreTheObject(table);
   table.def(nb::init<>())
       .def_ro("time", &StepTable::time)
