@@ -1,30 +1,35 @@
 #include "anchors.h"
 
 #include <bit>
-#include <utility>
 
 namespace contact_toolkit {
+namespace {
 
-AnchorSet::AnchorSet(std::vector<Anchor> anchors) : anchors_(std::move(anchors)) {
-  slots_.assign(std::bit_ceil(2 * anchors_.size() + 1), -1);
+// Where to look first in a table of this length, a power of two.
+std::size_t SlotOf(std::uint64_t key, std::size_t length) {
+  key *= 0x9E3779B97F4A7C15u;  // 2⁶⁴ over the golden ratio spreads neighbouring keys
+  return (key ^ key >> 32) & (length - 1);
+}
+
+}  // namespace
+
+AnchorSet::Slots* AnchorSet::MakeSlots() const {
+  auto* slots = new Slots(std::bit_ceil(2 * anchors_.size() + 1), -1);
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
-    std::size_t slot = SlotOf(anchors_[i].key);
-    while (slots_[slot] >= 0) slot = (slot + 1) & (slots_.size() - 1);
-    slots_[slot] = static_cast<std::int32_t>(i);
+    std::size_t slot = SlotOf(anchors_[i].key, slots->size());
+    while ((*slots)[slot] >= 0) slot = (slot + 1) & (slots->size() - 1);
+    (*slots)[slot] = static_cast<std::int32_t>(i);
   }
+  return slots;
 }
 
 std::int32_t AnchorSet::Search(std::uint64_t key) const {
-  std::size_t slot = SlotOf(key);
-  while (slots_[slot] >= 0 && anchors_[slots_[slot]].key != key) {
-    slot = (slot + 1) & (slots_.size() - 1);
+  const Slots& slots = slots_.Get([this] { return MakeSlots(); });
+  std::size_t slot = SlotOf(key, slots.size());
+  while (slots[slot] >= 0 && anchors_[slots[slot]].key != key) {
+    slot = (slot + 1) & (slots.size() - 1);
   }
-  return slots_[slot];
-}
-
-std::size_t AnchorSet::SlotOf(std::uint64_t key) const {
-  key *= 0x9E3779B97F4A7C15u;  // 2⁶⁴ over the golden ratio spreads neighbouring keys
-  return (key ^ key >> 32) & (slots_.size() - 1);
+  return slots[slot];
 }
 
 }  // namespace contact_toolkit

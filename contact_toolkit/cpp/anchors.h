@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "first_touch.h"
 #include "vec.h"
 
 namespace contact_toolkit {
@@ -20,7 +22,7 @@ struct Anchor {
 // The anchors of one pair, in the order of its springs at the last accepted step.
 class AnchorSet {
  public:
-  explicit AnchorSet(std::vector<Anchor> anchors);
+  explicit AnchorSet(std::vector<Anchor> anchors) : anchors_(std::move(anchors)) {}
 
   const std::vector<Anchor>& anchors() const { return anchors_; }
 
@@ -32,10 +34,13 @@ class AnchorSet {
 
  private:
   std::int32_t Search(std::uint64_t key) const;
-  std::size_t SlotOf(std::uint64_t key) const;
+
+  // An open-addressing hash table of indices; its length is a power of two.
+  using Slots = std::vector<std::int32_t>;
+  Slots* MakeSlots() const;
 
   std::vector<Anchor> anchors_;
-  std::vector<std::int32_t> slots_;  // open-addressing hash table of indices; a power of two long
+  FirstTouch<Slots> slots_;  // seldom needed: springs mostly keep their order
 };
 
 }  // namespace contact_toolkit

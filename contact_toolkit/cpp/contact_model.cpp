@@ -33,8 +33,7 @@ ContactModel::ContactModel(int num_bodies, std::vector<ContactGeometry> geometri
     : num_bodies_(num_bodies),
       geometries_(std::move(geometries)),
       pairs_(std::move(pairs)),
-      threads_(threads),
-      has_anchors_(std::ranges::any_of(pairs_, &Friction::anchored, &ContactPair::friction)) {}
+      threads_(threads) {}
 
 Pose ContactModel::PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const {
   const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
@@ -205,13 +204,16 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
         (forces->energetics.stored_tangential - last->energetics.stored_tangential);
   }
   next->pairs.resize(forces->found->size);
+  std::atomic<bool> dragged = false;
   ParallelFor(static_cast<int>(forces->found->size), threads_, [&](int i, int) {
     const PairSprings& loaded = forces->found->loaded[i];
     const ContactPair& pair = pairs_[loaded.pair];
     PairState state = table->StateOf(loaded.pair);
     if (pair.friction.anchored()) {
+      const auto before = state.anchors;
       state.anchors = UpdateAnchors(pair.friction, loaded.springs, loaded.X_AB,
-                                    forces->StretchesOf(i), forces->SpringsOf(i), state.anchors);
+                                    forces->StretchesOf(i), forces->SpringsOf(i), before);
+      if (state.anchors != before) dragged.store(true, std::memory_order_relaxed);
     }
     const Pose last_X_AB = last ? PoseOf(pair, last->found->X_FB) : loaded.X_AB;
     state.memory = pair.web->Remember(loaded.springs, last_X_AB, loaded.X_AB, state.memory);
@@ -219,7 +221,7 @@ std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const Ste
   });
   next->forces = forces;
   // What was dragged pulls differently from here on, and the next step starts with that.
-  if (has_anchors_) next->forces = PushBack(forces->found, forces->V_FB, next.get());
+  if (dragged) next->forces = PushBack(forces->found, forces->V_FB, next.get());
   return next;
 }
 

@@ -56,7 +56,6 @@ class ContactModel {
   std::vector<ContactGeometry> geometries_;
   std::vector<ContactPair> pairs_;
   int threads_;
-  bool has_anchors_;  // some pair has
   mutable Recycler<Found> found_stock_;
   mutable Recycler<Forces> forces_stock_;
 };

@@ -13,24 +13,29 @@ void ComputeFriction(const Friction& friction, double stiffness, double elastic,
   const Vec3 slip = velocity - Dot(velocity, normal) * normal;
   const Vec3& stretch_A = stretch.stretch_A;
   const double along = Dot(slip, stretch_A);
-  const double length = Norm(stretch_A);
-  force->moving_on = length > 0 ? along > 0 : SquaredNorm(slip) > 0;
+  const double squared_length = SquaredNorm(stretch_A);
+  force->moving_on = squared_length > 0 ? along > 0 : SquaredNorm(slip) > 0;
   force->anchored = friction.anchored() && !stretch.sliding;
 
   const double limit = friction.Limit(load, stretch.sliding);
   const double tangential_stiffness = friction.TangentialStiffness(stiffness);
   const Vec3 trial =
       -tangential_stiffness * stretch_A - friction.TangentialDamping(stiffness, elastic) * slip;
-  const double size = Norm(trial);
-  force->friction_A = size > limit ? limit / size * trial : trial;
+  const double squared_size = SquaredNorm(trial);
+  const double kept = squared_size > limit * limit ? limit / std::sqrt(squared_size) : 1.0;
+  force->friction_A = kept * trial;
 
-  // Stretch beyond the cone has been slipped, not stored.
-  const bool slipped = tangential_stiffness * length > limit;
-  const double pull = slipped ? limit : tangential_stiffness * length;
   const double power = -Dot(force->friction_A, slip);
   energetics->tangential_power += power;
-  energetics->friction_power += slipped ? power : power - tangential_stiffness * along;
-  if (pull > 0) energetics->stored_tangential += 0.5 * pull * pull / tangential_stiffness;
+  const double squared_pull = tangential_stiffness * tangential_stiffness * squared_length;
+  if (squared_pull > limit * limit) {
+    // Stretch beyond the cone has been slipped, not stored.
+    energetics->friction_power += power;
+    energetics->stored_tangential += 0.5 * limit * limit / tangential_stiffness;
+  } else {
+    energetics->friction_power += power - tangential_stiffness * along;
+    energetics->stored_tangential += 0.5 * tangential_stiffness * squared_length;
+  }
 }
 
 }  // namespace
@@ -38,6 +43,7 @@ void ComputeFriction(const Friction& friction, double stiffness, double elastic,
 PairForce ComputePairForce(const ContactLaw& law, const Friction& friction,
                            const SpringSet& springs, const Twist& V_A,
                            std::span<const Stretch> stretches, std::span<SpringForce> forces) {
+  constexpr Stretch kNew{};
   PairForce total;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const Vec3& p_AC = springs.p_AC[i];
@@ -46,14 +52,18 @@ PairForce ComputePairForce(const ContactLaw& law, const Friction& friction,
     const double rate = -Dot(gradient_A, velocity);
     const double elastic = springs.elastic[i];
     SpringForce& spring = forces[i];
-    spring = {rate, law.NormalForce(elastic, rate), {}, false, false};
+    spring.rate = rate;
+    spring.normal = law.NormalForce(elastic, rate);
     total.energetics.stored_normal += springs.energy[i];
     total.energetics.damping_power += (spring.normal - elastic) * rate;
     const double steepness = friction.active() ? Norm(gradient_A) : 0.0;
     if (steepness > 0) {
       ComputeFriction(friction, springs.stiffness[i], elastic, steepness * spring.normal,
-                      gradient_A / steepness, velocity,
-                      friction.anchored() ? stretches[i] : Stretch{}, &spring, &total.energetics);
+                      (1 / steepness) * gradient_A, velocity,
+                      friction.anchored() ? stretches[i] : kNew, &spring, &total.energetics);
+    } else {
+      spring.friction_A = {};
+      spring.anchored = spring.moving_on = false;
     }
     const Vec3 force = spring.normal * gradient_A + spring.friction_A;
     total.force += force;

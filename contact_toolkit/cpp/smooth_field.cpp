@@ -9,7 +9,34 @@ namespace contact_toolkit {
 namespace {
 
 // The first of the three lattice points whose basis functions reach x: the one before the closest.
-std::int32_t LowestPoint(double x) { return static_cast<std::int32_t>(std::floor(x + 0.5)) - 1; }
+std::int32_t LowestPoint(double x) {
+  const auto truncated = static_cast<std::int32_t>(x + 0.5);
+  return truncated - (x + 0.5 < truncated) - 1;
+}
+
+// Three numbers in a row, in pairs: GCC 12 splits wider vectors into single numbers where the CPU
+// has none.
+struct Line {
+  using Pair = double __attribute__((vector_size(16)));
+
+  Line() = default;
+  explicit Line(const double* from) {  // reads one more
+    std::memcpy(&low, from, sizeof low);
+    std::memcpy(&high, from + 2, sizeof high);
+  }
+  double Times(const double* weight) const {
+    return weight[0] * low[0] + weight[1] * low[1] + weight[2] * high[0];
+  }
+
+  Pair low, high;
+};
+
+Line Sum(const double* weight, const Line* lines) {
+  Line sum;
+  sum.low = weight[0] * lines[0].low + weight[1] * lines[1].low + weight[2] * lines[2].low;
+  sum.high = weight[0] * lines[0].high + weight[1] * lines[1].high + weight[2] * lines[2].high;
+  return sum;
+}
 
 }  // namespace
 
@@ -24,7 +51,7 @@ struct SmoothField::Branch {
 };
 
 SmoothField::SmoothField(std::shared_ptr<const ProbedSurface> surface, double cell)
-    : surface_(std::move(surface)), cell_(cell) {
+    : surface_(std::move(surface)), cell_(cell), inverse_cell_(1 / cell) {
   const CollisionMesh& mesh = surface_->mesh();
   origin_ = 0.5 * (mesh.lower() + mesh.upper());
   // The tree covers the surface and as much again on either side.
@@ -74,6 +101,7 @@ void SmoothField::Coefficients(const std::array<std::int32_t, 3>& first,
 void SmoothField::Fill(const std::array<std::int32_t, 3>& brick, Brick* filled) const {
   Coefficients<kPoints>({brick[0] * kBrick, brick[1] * kBrick, brick[2] * kBrick},
                         filled->coefficients.data());
+  filled->coefficients.back() = 0;
   float* least = filled->least.data();
   for (int i = 0; i < kBrick; ++i) {
     for (int j = 0; j < kBrick; ++j) {
@@ -93,20 +121,17 @@ void SmoothField::Fill(const std::array<std::int32_t, 3>& brick, Brick* filled) 
 // `make` is not set.
 const SmoothField::Brick* SmoothField::FindBrick(const std::array<std::int32_t, 3>& brick,
                                                  bool make) const {
-  std::int64_t span = 1;  // bricks a child of this level has a side
-  for (int level = 1; level < levels_; ++level) span *= kFanout;
-  const std::int64_t half = span * kFanout / 2;
+  const std::int64_t half = std::int64_t{1} << (kFanoutBits * levels_ - 1);  // of the tree's side
   std::array<std::int64_t, 3> at;
   for (int i = 0; i < 3; ++i) {
     at[i] = brick[i] + half;
     if (at[i] < 0 || at[i] >= 2 * half) return nullptr;
   }
   const Branch* branch = root_.get();
-  for (int level = levels_ - 1;; --level, span /= kFanout) {
+  for (int level = levels_ - 1;; --level) {
     std::int64_t child = 0;
     for (int i = 0; i < 3; ++i) {
-      child = child * kFanout + at[i] / span;
-      at[i] %= span;
+      child = child << kFanoutBits | (at[i] >> (kFanoutBits * level) & (kFanout - 1));
     }
     if (level == 0) {
       const FirstTouch<Brick>& slot = branch->bricks[child];
@@ -132,7 +157,7 @@ SmoothField::Above SmoothField::IsAbove(const Vec3& p, double level, Cursor* cur
   std::array<std::int32_t, 3> brick;
   int cell = 0;
   for (int i = 0; i < 3; ++i) {
-    const int base = LowestPoint((p[i] - origin_[i]) / cell_);
+    const int base = LowestPoint((p[i] - origin_[i]) * inverse_cell_);
     brick[i] = base >> kBrickBits;
     cell = cell * kBrick + (base & (kBrick - 1));
   }
@@ -150,7 +175,7 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
   std::array<std::int32_t, 3> base, brick;
   double w[3][3], dw[3][3];
   for (int i = 0; i < 3; ++i) {
-    const double x = (p[i] - origin_[i]) / cell_;
+    const double x = (p[i] - origin_[i]) * inverse_cell_;
     base[i] = LowestPoint(x);
     brick[i] = base[i] >> kBrickBits;
     const double t = x - (base[i] + 1);  // in [-1/2, 1/2]
@@ -162,7 +187,7 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
     cursor->brick_ = brick;
     cursor->found_ = FindBrick(brick, true);
   }
-  double few[3 * 3 * 3];
+  double few[3 * 3 * 3 + 1];
   const double* first;
   int row = kPoints, plane = kPoints * kPoints;
   if (cursor->found_) {
@@ -171,28 +196,22 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
             (base[1] & kMask) * row + (base[2] & kMask);
   } else {
     Coefficients<3>(base, few);
+    few[27] = 0;
     first = few, row = 3, plane = 9;
   }
-  using Row = double __attribute__((vector_size(16)));
-  Row low{}, low_x{}, low_y{};
-  double high = 0, high_x = 0, high_y = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double* c = first + i * plane + j * row;
-      Row pair;
-      std::memcpy(&pair, c, sizeof pair);
-      const double value = w[0][i] * w[1][j], by_x = dw[0][i] * w[1][j], by_y = w[0][i] * dw[1][j];
-      low += value * pair, low_x += by_x * pair, low_y += by_y * pair;
-      high += value * c[2], high_x += by_x * c[2], high_y += by_y * c[2];
-    }
+  // Summed along x, y and z in turn.
+  Line value_y[3], slope_y[3];
+  for (int j = 0; j < 3; ++j) {
+    const Line at[3] = {Line(first + j * row), Line(first + plane + j * row),
+                        Line(first + 2 * plane + j * row)};
+    value_y[j] = Sum(w[0], at);
+    slope_y[j] = Sum(dw[0], at);
   }
-  const auto along = [&](const Row& pair, double last, const double* weight) {
-    return weight[0] * pair[0] + weight[1] * pair[1] + weight[2] * last;
-  };
+  const Line value_z = Sum(w[1], value_y);
   FieldValue value;
-  value.phi = along(low, high, w[2]);
-  value.gradient =
-      Vec3{along(low_x, high_x, w[2]), along(low_y, high_y, w[2]), along(low, high, dw[2])} / cell_;
+  value.phi = value_z.Times(w[2]);
+  value.gradient = inverse_cell_ * Vec3{Sum(w[1], slope_y).Times(w[2]),
+                                        Sum(dw[1], value_y).Times(w[2]), value_z.Times(dw[2])};
   return value;
 }
 

@@ -44,10 +44,11 @@ class SmoothField {
   static constexpr int kBrickBits = 3;
   static constexpr int kBrick = 1 << kBrickBits;  // cells a side
   static constexpr int kPoints = kBrick + 2;      // coefficients a side
-  static constexpr int kFanout = 16;              // children a side of the tree over the bricks
-  static constexpr int kMostBricks = 1 << 16;     // half a gigabyte; what is beyond is not kept
+  static constexpr int kFanoutBits = 4;
+  static constexpr int kFanout = 1 << kFanoutBits;  // children a side of the tree over the bricks
+  static constexpr int kMostBricks = 1 << 16;       // half a gigabyte; what is beyond is not kept
   struct Brick {
-    std::array<double, kPoints * kPoints * kPoints> coefficients;
+    std::array<double, kPoints * kPoints * kPoints + 1> coefficients;  // one for reading in pairs
     // Of the 27 coefficients over each cell: the spline is a mean of them.
     std::array<float, kBrick * kBrick * kBrick> least;
   };
@@ -60,7 +61,7 @@ class SmoothField {
 
   std::shared_ptr<const ProbedSurface> surface_;
   Vec3 origin_;  // lattice point (0, 0, 0)
-  double cell_;
+  double cell_, inverse_cell_;
   int levels_ = 1;  // of branches above the bricks
   std::unique_ptr<Branch> root_;
   mutable std::atomic<int> bricks_{0};

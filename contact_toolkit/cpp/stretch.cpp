@@ -8,10 +8,10 @@
 namespace contact_toolkit {
 namespace {
 
-Vec3 InPlane(const Vec3& v, const Vec3& normal) { return v - Dot(v, normal) * normal; }
+inline Vec3 InPlane(const Vec3& v, const Vec3& normal) { return v - Dot(v, normal) * normal; }
 
 // The offset of the anchor's points within the tangent plane.
-Vec3 StretchOf(const Anchor& anchor, const Pose& X_AB, const Vec3& normal) {
+inline Vec3 StretchOf(const Anchor& anchor, const Pose& X_AB, const Vec3& normal) {
   return InPlane(anchor.p_AQ - X_AB * anchor.p_BQ, normal);
 }
 
@@ -32,14 +32,16 @@ void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X
   thread_local std::vector<std::size_t> grown;  // springs stiffer than their anchor, or without
   kept.assign(anchors ? anchors->anchors().size() : 0, 0.0);
   grown.clear();
+  std::size_t next = 0;  // where the anchor is, if springs and anchors are in the same order
   for (std::size_t i = 0; i < springs.size(); ++i) {
     Stretch& row = stretches[i];
-    row = {};
-    row.anchor = anchors ? anchors->Find(springs.key[i], i) : -1;
+    row.anchor = anchors ? anchors->Find(springs.key[i], next) : -1;
     if (row.anchor < 0) {
+      row = {};
       grown.push_back(i);
       continue;
     }
+    next = row.anchor + 1;
     const Anchor& anchor = anchors->anchors()[row.anchor];
     row.sliding = anchor.sliding;
     row.stretch_A = StretchOf(anchor, X_AB, Normalized(springs.gradient_A[i]));
