@@ -3,6 +3,7 @@
 // to half of what is being searched, the search starts anew on what is left.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -38,6 +39,10 @@ class ImpactQuery {
   }
   Vec3 direction() const { return direction_; }
   bool Apart(std::int32_t, std::int32_t) const { return false; }
+  template <typename Bound>
+  void Order(const BvhNode&, const BvhNode& b, const Bound* bound, float* order) const {
+    std::copy_n(bound, kBvhWidth * b.count, order);
+  }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i)

@@ -32,6 +32,10 @@ class RotationQuery {
   }
   Vec3 direction() const { return direction_; }
   bool Apart(std::int32_t, std::int32_t) const { return false; }
+  template <typename Bound>
+  void Order(const BvhNode&, const BvhNode& b, const Bound* bound, float* order) const {
+    std::copy_n(bound, kBvhWidth * b.count, order);
+  }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i) {

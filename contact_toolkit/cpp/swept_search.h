@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -38,6 +37,9 @@ struct LeafPairs {
 //
 //   bool Apart(std::int32_t node_a, std::int32_t node_b);
 // Whether two nodes are known to stay out of reach; may always be false.
+//
+//   void Order(const BvhNode& a, const BvhNode& b, const Bound* bound, float* order);
+// Numbers in whose order to open the children of a with those of b, given the squared bounds.
 //
 //   void Visit(const LeafPairs&, const TimeSlice&);
 template <typename Query>
@@ -79,7 +81,7 @@ class SweptSearch {
       stack_.push_back({item.squared_bound, item.a, item.b, first + 1});
       stack_.push_back({item.squared_bound, item.a, item.b, first});
     } else if (CullOf(item.slice).coarse) {
-      double fine[kBvhWidth * kBvhWidth];
+      double fine[kBvhWidth * kBvhWidth] = {};
       for (int j = 0; j < b.count; ++j) {
         for (int k = 0; k < a.count; ++k) {
           fine[8 * j + k] = CullOf(item.slice).SquaredBound(a, k, b, j);
@@ -110,31 +112,44 @@ class SweptSearch {
   template <typename Bound>
   void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
     const double reach = query_.squared_reach(slices_[item.slice]);
-    Item next[kBvhWidth * kBvhWidth];
+    alignas(32) float order[kBvhWidth * kBvhWidth];
+    query_.Order(a, b, bound, order);
+    struct Next {
+      float order;
+      Item item;
+    };
+    Next next[kBvhWidth * kBvhWidth];
     int count = 0;
-    const auto add = [&](Bound least, std::int32_t next_a, std::int32_t next_b) {
-      if (least <= reach) next[count++] = {least, next_a, next_b, item.slice};
+    const auto add = [&](Bound least, float first, std::int32_t next_a, std::int32_t next_b) {
+      if (least <= reach) next[count++] = {first, {least, next_a, next_b, item.slice}};
     };
     // A bottom node stays while the other side descends.
     if (a.bottom()) {
       for (int j = 0; j < b.count; ++j) {
-        add(*std::min_element(bound + 8 * j, bound + 8 * j + a.count), item.a, b.child[j]);
+        const auto least = [&](const auto* row) {
+          return *std::min_element(row + 8 * j, row + 8 * j + a.count);
+        };
+        add(least(bound), least(order), item.a, b.child[j]);
       }
     } else if (b.bottom()) {
       for (int k = 0; k < a.count; ++k) {
-        Bound least = bound[k];
-        for (int j = 1; j < b.count; ++j) least = std::min(least, bound[8 * j + k]);
-        add(least, a.child[k], item.b);
+        const auto least = [&](const auto* column) {
+          auto least = column[k];
+          for (int j = 1; j < b.count; ++j) least = std::min(least, column[8 * j + k]);
+          return least;
+        };
+        add(least(bound), least(order), a.child[k], item.b);
       }
     } else {
       for (int j = 0; j < b.count; ++j) {
-        for (int k = 0; k < a.count; ++k) add(bound[8 * j + k], a.child[k], b.child[j]);
+        for (int k = 0; k < a.count; ++k) {
+          add(bound[8 * j + k], order[8 * j + k], a.child[k], b.child[j]);
+        }
       }
     }
-    std::sort(next, next + count,
-              [](const Item& x, const Item& y) { return x.squared_bound < y.squared_bound; });
-    // Nearest last, so that it is opened first.
-    stack_.insert(stack_.end(), std::reverse_iterator(next + count), std::reverse_iterator(next));
+    std::sort(next, next + count, [](const Next& x, const Next& y) { return x.order < y.order; });
+    // The first last, so that it is opened first.
+    for (int i = count; i-- > 0;) stack_.push_back(next[i].item);
   }
 
   template <typename Bound>

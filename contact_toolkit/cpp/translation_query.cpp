@@ -1,6 +1,7 @@
 #include "translation_query.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -11,6 +12,13 @@ namespace contact_toolkit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// [-] Weight of the squared distance of the boxes' middles beside that of the boxes.
+constexpr float kMiddles = 0.03f;
+// Pairs of facets are culled again once the distance has fallen to this share,
+constexpr double kStaleCull = 0.95;
+// ... unless so few are left that measuring them is as cheap.
+constexpr int kFewPairs = 2;
 
 // Of A (0) and of B (1).
 NodeExtents& Extents(int side) {
@@ -29,7 +37,10 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       lowest_(kInfinity),
       aimed_at_(kInfinity) {
   best_.distance = upper_bound;
-  best_.time = 0.5;
+  // To begin with, when the bodies' middles are closest.
+  const Vec3 from = motion.At(0) * B.bvh().origin - A.bvh().origin, &way = motion.translation();
+  if (!motion.still()) best_.time = std::clamp(-Dot(from, way) / SquaredNorm(way), 0.0, 1.0);
+  if (meshes_) start_.emplace(*A.mesh(), *B.mesh(), motion.At(0));
 }
 
 bool TranslationQuery::Apart(std::int32_t node_a, std::int32_t node_b) {
@@ -56,35 +67,107 @@ void TranslationQuery::Aim() {
   offset_ = static_cast<float>(std::max(Dot(line, begin), Dot(line, end)) + slack);
 }
 
+const PosedPair& TranslationQuery::Posed() {
+  if (posed_time_ != best_.time) {
+    posed_time_ = best_.time;
+    posed_.emplace(*A_.mesh(), *B_.mesh(), motion_.At(posed_time_));
+  }
+  return *posed_;
+}
+
+void TranslationQuery::OrderPosed(const BvhNode& a, const BvhNode& b, float* order) {
+  const CullPose& X = Posed().cull;
+  posed_->kernels.box_bounds(a, b, X, order);
+  for (int j = 0; j < b.count; ++j) {
+    float c[3];
+    for (int i = 0; i < 3; ++i) {
+      c[i] = X.p[i];
+      for (int k = 0; k < 3; ++k) c[i] += X.R[i][k] * b.center[k][j];
+    }
+    for (int k = 0; k < kBvhWidth; ++k) {
+      const float x = a.center[0][k] - c[0], y = a.center[1][k] - c[1], z = a.center[2][k] - c[2];
+      order[kBvhWidth * j + k] += kMiddles * (x * x + y * y + z * z);
+    }
+  }
+}
+
 void TranslationQuery::Visit(const LeafPairs& pairs, const TimeSlice& whole) {
-  if (meshes_) MeasurePosed(pairs);
+  if (meshes_) return VisitFacets(pairs);
   for (int i = 0; i < pairs.count; ++i) {
     const LeafPairs::Pair& pair = pairs.pair[i];
     if (!(pair.squared_bound <= squared_reach(whole))) return;
-    if (meshes_ && LowerBound(i) > best_.distance) continue;
     MeasureSwept(pair.slot_a, pair.slot_b);
   }
 }
 
-void TranslationQuery::MeasurePosed(const LeafPairs& pairs) {
-  if (posed_time_ != best_.time) {
-    posed_time_ = best_.time;
-    posed_ = std::make_unique<const PosedPair>(*A_.mesh(), *B_.mesh(), motion_.At(posed_time_));
-  }
+void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
   chunk_.count = pairs.count;
   for (int i = 0; i < pairs.count; ++i) {
     chunk_.slot_a[i] = pairs.pair[i].slot_a;
     chunk_.slot_b[i] = pairs.pair[i].slot_b;
   }
-  MeasureFacetPairs(*posed_, &chunk_);
+  double culled_at = kInfinity;
+  const auto cull = [&] {
+    culled_at = best_.distance;
+    CullPrisms();
+  };
+  if (best_.index_a >= 0) cull();
+  MeasurePosed();
+  while (chunk_.count > 0 && best_.distance > 0) {
+    if (chunk_.count > kFewPairs && best_.distance < kStaleCull * culled_at) {
+      cull();
+    } else {
+      --chunk_.count;
+      MeasureSwept(chunk_.slot_a[chunk_.count], chunk_.slot_b[chunk_.count]);
+    }
+  }
+}
+
+void TranslationQuery::CullPrisms() {
+  if (chunk_.count == 0) return;
+  // Pairs that could only win by rounding do not matter.
+  const double rounding = std::min(kTouching * start_->size, 0.5 * best_.distance);
+  const Vec3& t = motion_.translation();
+  const double way[3]{t.x, t.y, t.z};
+  kernels_.cull_prisms(A_.bvh().slot_coordinates.data(), B_.bvh().slot_coordinates.data(),
+                       start_->matrix, way, best_.distance - rounding, &chunk_);
+  int kept = 0;
+  for (int i = 0; i < chunk_.count; ++i) {
+    if (chunk_.distance[i] > 0) continue;
+    chunk_.slot_a[kept] = chunk_.slot_a[i];
+    chunk_.slot_b[kept++] = chunk_.slot_b[i];
+  }
+  chunk_.count = kept;
+}
+
+void TranslationQuery::MeasurePosed() {
+  if (chunk_.count == 0) return;
+  MeasureFacetPairs(Posed(), &chunk_);
   const auto least = std::min_element(chunk_.distance, chunk_.distance + chunk_.count);
-  if (!(*least < best_.distance)) return;
-  const int i = static_cast<int>(least - chunk_.distance);
-  const Witness witness = WitnessOf(*posed_, chunk_, i);
-  best_.distance = witness.distance;
-  best_.p_ACa = witness.p_ACa, best_.p_ACb = witness.p_ACb;
-  best_.index_a = A_.index(chunk_.slot_a[i]), best_.index_b = B_.index(chunk_.slot_b[i]);
-  direction_ = witness.normal_A;
+  if (*least < best_.distance) {
+    const int i = static_cast<int>(least - chunk_.distance);
+    const Witness witness = WitnessOf(*posed_, chunk_, i);
+    best_.distance = witness.distance;
+    best_.p_ACa = witness.p_ACa, best_.p_ACb = witness.p_ACb;
+    best_.index_a = A_.index(chunk_.slot_a[i]), best_.index_b = B_.index(chunk_.slot_b[i]);
+    direction_ = witness.normal_A;
+  }
+  struct Left {
+    double bound;
+    std::int32_t slot_a, slot_b;
+  };
+  std::array<Left, FacetPairs::kCapacity> left;
+  int kept = 0;
+  for (int i = 0; i < chunk_.count; ++i) {
+    const double bound = LowerBound(i);
+    if (bound > best_.distance) continue;
+    left[kept++] = {bound, chunk_.slot_a[i], chunk_.slot_b[i]};
+  }
+  std::sort(left.begin(), left.begin() + kept,
+            [](const Left& x, const Left& y) { return x.bound > y.bound; });
+  for (int i = 0; i < kept; ++i)
+    chunk_.slot_a[i] = left[i].slot_a, chunk_.slot_b[i] = left[i].slot_b;
+  chunk_.count = kept;
 }
 
 double TranslationQuery::LowerBound(int i) const {

@@ -1,10 +1,12 @@
 // Least distance over a pure translation. It carries a convex set over the hull of its two end
-// positions, so one GJK for a pair of leaves is exact. But the distance of two convex sets is a
-// convex function of the translation: measured at one time by the vectorised kernel, many times
-// faster than GJK, it bounds the rest from below by its tangent, and few pairs of facets need more.
+// positions, so one GJK for a pair of leaves is exact. But vectorised kernels are many times faster
+// and leave little for it to do: most pairs of facets are separated over the whole way by a plane
+// that is easily found, and as the distance of two convex sets is a convex function of the
+// translation, measured at one time it bounds the rest from below by its tangent.
 #pragma once
 
-#include <memory>
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "facet_pair.h"
@@ -24,13 +26,29 @@ class TranslationQuery {
   }
   Vec3 direction() const { return direction_; }
   bool Apart(std::int32_t node_a, std::int32_t node_b);
+  template <typename Bound>
+  void Order(const BvhNode& a, const BvhNode& b, const Bound* bound, float* order) {
+    if (meshes_) {
+      OrderPosed(a, b, order);
+    } else {
+      std::copy_n(bound, kBvhWidth * b.count, order);
+    }
+  }
   void Visit(const LeafPairs& pairs, const TimeSlice& whole);
 
   SweptDistance Answer() const;
 
  private:
-  // Measures facet pairs where B is when the closest pair so far is closest: so are its neighbours.
-  void MeasurePosed(const LeafPairs& pairs);
+  // Where B is when the closest pair so far is closest: so are its neighbours.
+  const PosedPair& Posed();
+  // By the distance of the boxes there and, as many overlap, of their middles.
+  void OrderPosed(const BvhNode& a, const BvhNode& b, float* order);
+  void VisitFacets(const LeafPairs& pairs);
+  // Of the chunk of facet pairs, these keep those that may come closer than the closest so far:
+  // by planes that separate the others over the whole way,
+  void CullPrisms();
+  // ... and by their distances and tangents at one time, the least last.
+  void MeasurePosed();
   // Of facet pair i over the whole way, by the tangent there.
   double LowerBound(int i) const;
   void MeasureSwept(int slot_a, int slot_b);
@@ -44,8 +62,9 @@ class TranslationQuery {
   Vec3 direction_;
   double lowest_;  // of the pairs that GJK gave up on
   SweptDistance best_;
-  std::unique_ptr<const PosedPair> posed_;
+  std::optional<PosedPair> start_, posed_;  // of meshes
   double posed_time_ = -1;
+  const SweptKernels& kernels_ = ActiveSweptKernels();
   FacetPairs chunk_;
   double aimed_at_;   // [m] best distance when last aimed
   float offset_ = 0;  // [m] of B's origin over the whole way, and slack

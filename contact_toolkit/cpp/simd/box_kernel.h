@@ -4,6 +4,7 @@
 
 #include "simd/kernels.h"
 #include "simd/lanes.h"
+#include "simd/separation.h"
 
 namespace contact_toolkit {
 namespace {
@@ -49,58 +50,6 @@ void BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float b
   ForBoxes(a, b, X_AB, [&](int j, Float8 squared) { Store8(bound + 8 * j, squared * 0.9999f); });
 }
 
-// One step culls most of what can be culled; a second costs more than it saves.
-constexpr int kAxisSteps = 1;
-
-struct Triangle8 {
-  Float8 x[3], y[3], z[3];
-};
-
-struct Point8 {
-  Float8 x, y, z;
-};
-
-// The corner of each lane's triangle farthest against v (or along it).
-template <bool along>
-CT_INLINE Float8 Support(const Triangle8& t, const Point8& v, Point8* corner) {
-  Float8 best = t.x[0] * v.x + t.y[0] * v.y + t.z[0] * v.z;
-  *corner = {t.x[0], t.y[0], t.z[0]};
-  for (int c = 1; c < 3; ++c) {
-    const Float8 height = t.x[c] * v.x + t.y[c] * v.y + t.z[c] * v.z;
-    const auto better = along ? height > best : height < best;
-    best = Select(better, height, best);
-    corner->x = Select(better, t.x[c], corner->x);
-    corner->y = Select(better, t.y[c], corner->y);
-    corner->z = Select(better, t.z[c], corner->z);
-  }
-  return best;
-}
-
-// Lanes in which the triangles may be closer than `limit`: looks for a direction that separates
-// them by more, from the difference of their middles on by steps of Frank and Wolfe's method
-// towards the point of the difference a − b nearest to the origin.
-CT_INLINE Mask8 MayBeNear(const Triangle8& a, const Triangle8& b, float limit) {
-  const Float8 third = Fill8(1.0f / 3);
-  Point8 v{third * (a.x[0] + a.x[1] + a.x[2] - b.x[0] - b.x[1] - b.x[2]),
-           third * (a.y[0] + a.y[1] + a.y[2] - b.y[0] - b.y[1] - b.y[2]),
-           third * (a.z[0] + a.z[1] + a.z[2] - b.z[0] - b.z[1] - b.z[2])};
-  Mask8 near = Float8{} == Float8{};
-  for (int step = 0;; ++step) {
-    Point8 p, q;
-    const Float8 gap = Support<false>(a, v, &p) - Support<true>(b, v, &q);
-    const Float8 vv = v.x * v.x + v.y * v.y + v.z * v.z;
-    near = near & ~(gap > Fill8(limit) * SquareRoot(vv));  // where that is inf · 0, keep
-    if (step == kAxisSteps) return near;
-    const Point8 w{p.x - q.x - v.x, p.y - q.y - v.y, p.z - q.z - v.z};
-    const Float8 ww = w.x * w.x + w.y * w.y + w.z * w.z;
-    Float8 t = -(v.x * w.x + v.y * w.y + v.z * w.z) / (ww + Fill8(1e-30f));
-    t = Most(Float8{}, Least(Fill8(1), t));
-    v.x = v.x + t * w.x;
-    v.y = v.y + t * w.y;
-    v.z = v.z + t * w.z;
-  }
-}
-
 std::uint64_t CullByAxes(const FacetBlock& a, const FacetBlock& b, const CullPose& X, float reach,
                          std::uint64_t pairs) {
   const float limit = reach * 1.0001f + X.slack;
@@ -140,13 +89,12 @@ std::uint64_t CullByAxes(const FacetBlock& a, const FacetBlock& b, const CullPos
     const Float8 gap = Most(Most(low_b, -high_b), Most(low_a, -high_a));
     std::uint64_t row = Bits(gap <= Fill8(limit)) & (pairs >> (8 * j) & 0xff);
     if (row != 0) {
-      Triangle8 ta, tb;
+      Triangle<Float8> ta, tb;
       for (int c = 0; c < 3; ++c) {
-        ta.x[c] = Load8(a.vertex[c][0]), tb.x[c] = Fill8(corner[c][0][j]);
-        ta.y[c] = Load8(a.vertex[c][1]), tb.y[c] = Fill8(corner[c][1][j]);
-        ta.z[c] = Load8(a.vertex[c][2]), tb.z[c] = Fill8(corner[c][2][j]);
+        ta.corner[c] = {Load8(a.vertex[c][0]), Load8(a.vertex[c][1]), Load8(a.vertex[c][2])};
+        tb.corner[c] = {Fill8(corner[c][0][j]), Fill8(corner[c][1][j]), Fill8(corner[c][2][j])};
       }
-      row &= Bits(MayBeNear(ta, tb, limit));
+      row &= Bits(MayBeNear(ta, tb, Fill8(limit)));
     }
     kept |= row << (8 * j);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "simd/lanes.h"
+#include "simd/separation.h"
 #include "simd/swept_kernels.h"
 
 namespace contact_toolkit {
@@ -160,7 +161,25 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
     Float8 gap = Most(over_b.low - top[j], bottom[j] - over_b.high);
     gap = Most(gap, Most(over_a.low - offset, offset - over_a.high));
     gap = Most(gap, Most(spread_a.low - high_b[j], low_b[j] - spread_a.high));
-    kept |= Bits(gap <= Fill8(stray[j])) << (8 * j);
+    std::uint64_t row = Bits(gap <= Fill8(stray[j])) & (pairs >> (8 * j) & 0xff);
+    if (row != 0) {
+      Triangle<Float8> ta;
+      TwoPoses<Float8> tb;
+      for (int v = 0; v < 3; ++v) {
+        ta.corner[v] = {Load8(a.vertex[v][0]), Load8(a.vertex[v][1]), Load8(a.vertex[v][2])};
+        const auto fill = [&](const float (&c)[3][8]) {
+          return Vec<Float8>{Fill8(c[0][j]), Fill8(c[1][j]), Fill8(c[2][j])};
+        };
+        tb.begin.corner[v] = fill(corner[v]);
+        tb.end.corner[v] = fill(corner[3 + v]);
+      }
+      const Float8 limit = Fill8(stray[j]);
+      row &= Bits(
+          cull.turn == 0
+              ? MayBeNear(ta, Prism<Float8>{tb.begin, tb.end.corner[0] - tb.begin.corner[0]}, limit)
+              : MayBeNear(ta, tb, limit));
+    }
+    kept |= row << (8 * j);
   }
   return pairs & kept;
 }

@@ -14,6 +14,7 @@
 
 #include "bvh.h"
 #include "motion.h"
+#include "simd/kernels.h"
 
 namespace contact_toolkit {
 
@@ -49,6 +50,11 @@ struct SweptKernels {
   // along a facet's normal or the direction, a unit vector in A or zero.
   std::uint64_t (*cull_facets)(const FacetBlock& a, const FacetBlock& b, const SweptCull& cull,
                                const float direction[3], float reach, std::uint64_t pairs);
+
+  // For a translation by `way` from X_AB (as in Kernels): leaves limit [m] for the distance of
+  // pairs that certainly stay farther apart, up to rounding, zero for the others.
+  void (*cull_prisms)(const double* a, const double* b, const double* X_AB, const double* way,
+                      double limit, FacetPairs* pairs);
 };
 
 const SweptKernels& ScalarSweptKernels();
