@@ -35,6 +35,18 @@ inline constexpr double kNearlyParallel = 1e-7;
 inline constexpr double kCertain = 1e-10;
 inline constexpr double kCertainAgain = 4 * kCertain;
 
+// [-] On well-conditioned features, the sides on which corners and feet lie are certain at this much
+// less: they are errors of a dozen roundings, 1e-14, for kCertain's of distances.
+inline constexpr double kFootError = 1e-4;
+
+// [-] The worst condition of a pair of edges, or a facet, in the fast kernel: the inverse of sin² of
+// their angle, or of how thin it is.
+inline constexpr double kWorstCondition = 1e7;
+
+// [-] The error of heights that the check of remembered features takes in single precision, over
+// the distance and the longest edge: a dozen roundings of 6e-8.
+inline constexpr double kSingleError = 1e-6;
+
 // [-] Remembered features closer than this share of the longest edge around are measured afresh:
 // below it, rounding could let nearly parallel edges at two corners win over the corners.
 inline constexpr double kTooClose = 2e-5;

@@ -1,13 +1,24 @@
 // Whether a pair of points is the closest of two facets beyond what rounding can hide.
 //
 // Facets are convex: pa on A and pb on B are closest, with v = pa − pb, just when no corner of A
-// lies behind pa along v and none of B before pb. If the corners that do not belong to the points'
-// features are clear of that by a margin, and the points are clear of their features' ends, then
-// any other two points, one of which is not on its feature, are farther apart. By how much: with
-// heights h ≥ ρ D of the clear corners and room r ≥ 4 ρ towards the ends, squared distances differ
-// by more than ρ². So the margin ρ is chosen above the error of the kernels' squared distances, and
-// the case that wins is then the same whatever the order of the operations.
+// lies behind pa along v and none of B before pb. Then any points x = Σ λ_k A_k and y = Σ μ_k B_k are
+// farther apart: |x − y|² = |v|² + E, with E = 2 Σ (λ_k h_k + μ_k h_k) + |x − y − v|² over the heights
+// h ≥ 0 of the corners off the points' features. Two things follow, if the heights are at least h and
+// the points keep a room r towards the ends of their features (across each other, of two edges).
+//
+// 1. On other features, E ≥ min(h r / D, r² / 16), D being the longest edge plus the distance: either
+//    x − y is as far from v as r / 4, or it got back there with λ and μ that add up to r / (2 D). Nor
+//    is a corner, whose λ is 1, nearer than E = 2 h. If that is above ρ², the error of the fast
+//    kernel's squared distances, such points cannot win.
+// 2. Points on the features next to a corner, as near to it as one likes, are left out by a sign: the
+//    feet on lines and planes through it lie outside by h. What rounding does to that sign, and to
+//    the heights through the points they are taken at, is a multiple of D²: a small one, but as the
+//    inverse of sin² between the edges, and of the facet's height in its size, squared.
+//
+// So the heights may be tiny, as they are along nearly parallel edges, if there is room.
 #pragma once
+
+#include <limits>
 
 #include "simd/kernels.h"
 #include "simd/lanes.h"
@@ -19,19 +30,25 @@ namespace {
 // The margins at a distance between facets of a size, rounding being relative to both.
 template <class V>
 struct Margin {
+  V share;    // [-] the error of a distance over D
   V span;     // [m] D: longest edge plus distance
-  V squared;  // [m²] ρ²: a share of D, as an error of the distance, makes this of its square
+  V squared;  // [m²] ρ²: that error's of the squared distance
 
   CT_INLINE Margin(V longest, V distance, double share)
-      : span(longest + distance),
-        squared(Fill<V>(share) * span * (distance + distance + Fill<V>(share) * span)) {}
+      : share(Fill<V>(share)),
+        span(longest + distance),
+        squared(this->share * span * (distance + distance + this->share * span)) {}
 
-  // A corner's height along v [m²].
-  CT_INLINE auto Clears(V height) const {
-    return (height > V{}) & (height * height >= squared * span * span);
+  // Of the least height along v [m²] and the points' condition, the square of how far rounding moves
+  // them over rounding.
+  CT_INLINE auto Clears(V height, V condition) const {
+    return height >= share * (Fill<V>(1) + Fill<V>(kFootError) * condition) * span * span;
   }
-  // A squared length times a scale, against that scale.
-  CT_INLINE auto HasRoom(V room, V scale) const { return room >= Fill<V>(16) * squared * scale; }
+  // Of a squared room times a scale, that scale, and the least height.
+  CT_INLINE auto HasRoom(V room, V scale, V height) const {
+    return (room >= Fill<V>(16) * squared * scale) &
+           (height * height * room >= squared * squared * span * span * scale);
+  }
 };
 
 // The share of an edge's length to its nearer end; likewise for barycentric coordinates.
@@ -82,19 +99,27 @@ CT_INLINE auto Certain(const Vec<V> (&A)[3], const Vec<V> (&B)[3], V spot_a, V s
   }
   const Margin<V> margin(SquareRoot(squared_longest), distance, kCertain);
 
-  auto certain = zero == zero;
+  V height = Fill<V>(std::numeric_limits<double>::infinity());
   for (int k = 0; k < 3; ++k) {
-    certain = certain & (a.has_corner[k] | margin.Clears(Dot(A[k] - a_point, v)));
-    certain = certain & (b.has_corner[k] | margin.Clears(Dot(b_point - B[k], v)));
+    height = Select(a.has_corner[k], height, Least(height, Dot(A[k] - a_point, v)));
+    height = Select(b.has_corner[k], height, Least(height, Dot(b_point - B[k], v)));
   }
+  const V one = Fill<V>(1);
   const V ab = Select(a.is_edge & b.is_edge, Dot(a.edge, b.edge), zero);
-  const V nn = a.squared_length * b.squared_length - ab * ab;
-  const V room_a = Room(s), room_b = Room(t), room = Room(s, t);
+  const V scale = a.squared_length * b.squared_length, nn = scale - ab * ab;
   const Vec<V> na = Cross(sides_a[0], sides_a[2]), nb = Cross(sides_b[0], sides_b[2]);
-  return certain & ((!a.is_edge) | margin.HasRoom(room_a * room_a * nn, b.squared_length)) &
-         ((!b.is_edge) | margin.HasRoom(room_b * room_b * nn, a.squared_length)) &
-         ((!a.is_inside) | margin.HasRoom(room * room * Dot(na, na), squared_longest)) &
-         ((!b.is_inside) | margin.HasRoom(room * room * Dot(nb, nb), squared_longest));
+  const V nna = Dot(na, na), nnb = Dot(nb, nb);
+  const auto is_corner_a = !(a.is_edge | a.is_inside), is_corner_b = !(b.is_edge | b.is_inside);
+  const V worst = Select(is_corner_a & is_corner_b, Fill<V>(kWorstCondition), one);
+  const V condition = Select(a.is_inside | b.is_inside,
+                             squared_longest * squared_longest / Select(a.is_inside, nna, nnb),
+                             Select(a.is_edge & b.is_edge, scale / nn, worst));
+  const V room_a = Room(s), room_b = Room(t), room = Room(s, t);
+  return margin.Clears(height, condition) &
+         ((!a.is_edge) | margin.HasRoom(room_a * room_a * nn, b.squared_length, height)) &
+         ((!b.is_edge) | margin.HasRoom(room_b * room_b * nn, a.squared_length, height)) &
+         ((!a.is_inside) | margin.HasRoom(room * room * nna, squared_longest, height)) &
+         ((!b.is_inside) | margin.HasRoom(room * room * nnb, squared_longest, height));
 }
 
 }  // namespace

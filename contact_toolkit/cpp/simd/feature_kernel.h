@@ -43,13 +43,16 @@ struct ClosestPoints {
   // Of a point on an edge or in a facet: its squared room towards the ends times a scale, and that
   // scale.
   V room_a, scale_a, room_b, scale_b;
+  V condition = Fill<V>(1);  // as Margin has it
   decltype(V{} < V{}) regular = V{} == V{};
 
   CT_INLINE ClosestPoints(const Vec<V> (&A)[3], const Vec<V> (&B)[3], V longest)
       : a_point(A[0]), b_point(B[0]) {
     const V zero{}, one = Fill<V>(1);
     const Vec<V> r = A[0] - B[0];
-    if constexpr (corners_a == 1 && corners_b == 2) {
+    if constexpr (corners_a == 1 && corners_b == 1) {
+      condition = Fill<V>(kWorstCondition);
+    } else if constexpr (corners_a == 1 && corners_b == 2) {
       const Vec<V> db = B[1] - B[0];
       const V bb = Dot(db, db);
       const V t = Most(zero, Least(one, Dot(r, db) * InverseOrZero(bb)));
@@ -76,6 +79,7 @@ struct ClosestPoints {
       room_b = Room(t) * Room(t) * nn;
       scale_a = bb;
       scale_b = aa;
+      condition = scale * inverse;
     } else if constexpr (corners_b == 3) {
       const Vec<V> d0 = B[1] - B[0], d2 = B[2] - B[0];
       const Foot<V> foot(d0, d2, r, 1);
@@ -84,6 +88,7 @@ struct ClosestPoints {
       regular = room > zero;
       room_b = room * room * foot.nn;
       scale_b = longest * longest;
+      condition = scale_b * scale_b / foot.nn;
     } else if constexpr (corners_a == 3) {
       const Vec<V> d0 = A[1] - A[0], d2 = A[2] - A[0];
       const Foot<V> foot(d0, d2, r, -1);
@@ -92,6 +97,7 @@ struct ClosestPoints {
       regular = room > zero;
       room_a = room * room * foot.nn;
       scale_a = longest * longest;
+      condition = scale_a * scale_a / foot.nn;
     }
   }
 };
@@ -140,10 +146,6 @@ CT_INLINE unsigned MeasureFeatures(const LaneRow* rows, const FeatureBlock& bloc
   const Vec<V> v = closest.a_point - closest.b_point;
   const V distance = SquareRoot(Dot(v, v)), inverse = Fill<V>(1) / distance;
   const Margin<V> margin(longest, distance, kCertainAgain);
-  auto certain =
-      closest.regular & (distance > Fill<V>(touching)) & (distance > Fill<V>(kTooClose) * longest);
-  if constexpr (corners_a > 1) certain = certain & margin.HasRoom(closest.room_a, closest.scale_a);
-  if constexpr (corners_b > 1) certain = certain & margin.HasRoom(closest.room_b, closest.scale_b);
 
   F least = F{} + std::numeric_limits<float>::infinity();
   const Vec<F> v_A{Converted<F>(v.x), Converted<F>(v.y), Converted<F>(v.z)};
@@ -157,7 +159,16 @@ CT_INLINE unsigned MeasureFeatures(const LaneRow* rows, const FeatureBlock& bloc
     const int begin = corners_a < 3 ? block.ways_a : 0;
     least = Least(LeastHeight(row, begin, block.ways_b, first_lane, v_B), least);
   }
-  certain = certain & margin.Clears(longest * Converted<V>(least));
+  const V height = longest * (Converted<V>(least) - Fill<V>(kSingleError) * distance);
+  auto certain = closest.regular & (distance > Fill<V>(touching)) &
+                 (distance > Fill<V>(kTooClose) * longest) &
+                 margin.Clears(height, closest.condition);
+  if constexpr (corners_a > 1) {
+    certain = certain & margin.HasRoom(closest.room_a, closest.scale_a, height);
+  }
+  if constexpr (corners_b > 1) {
+    certain = certain & margin.HasRoom(closest.room_b, closest.scale_b, height);
+  }
 
   alignas(64) double out[10][lanes];
   Store(out[0], closest.a_point.x), Store(out[1], closest.a_point.y);
