@@ -41,14 +41,6 @@ struct Candidates final : WebMemory {
   WitnessCandidates pairs;
 };
 
-// [m] No point of B moves farther between two poses.
-double Motion(const CollisionMesh& B, const Pose& before, const Pose& after) {
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) squared += SquaredNorm(after.R.row[i] - before.R.row[i]);
-  const Vec3 center = 0.5 * (B.lower() + B.upper());
-  return Norm(after * center - before * center) + std::sqrt(squared) * 0.5 * B.diagonal();
-}
-
 }  // namespace
 
 FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
@@ -70,18 +62,19 @@ void FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSe
   const auto& candidates = static_cast<const Candidates&>(memory).pairs;
   if (!candidates.Covers(X_AB, standoff_)) return FindSprings(X_AB, springs);
   thread_local WitnessPairs pairs;
-  candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs);
+  thread_local MeasuredRows measured;
+  candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs, &measured);
   Load(pairs, springs);
 }
 
 std::shared_ptr<const WebMemory> FacetWeb::Remember(const SpringSet& /*springs*/,
                                                     const Pose& last_X_AB, const Pose& X_AB,
                                                     std::shared_ptr<const WebMemory> before) const {
-  const double motion = Motion(*B_, last_X_AB, X_AB);
+  const double motion = LargestMotion(*B_, last_X_AB, X_AB);
   const double slack = kCandidateSlack * standoff_;
   const auto* candidates = static_cast<const Candidates*>(before.get());
   if (candidates && candidates->pairs.Covers(X_AB, standoff_ + motion) &&
-      !candidates->pairs.Worn()) {
+      !candidates->pairs.Worn(X_AB, standoff_)) {
     return before;
   }
   // Gathering must serve at least one more step such as the last.

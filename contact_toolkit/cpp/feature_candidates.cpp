@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "feature_side.h"
@@ -13,13 +15,6 @@ namespace contact_toolkit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Blocks hold groups of one kind, taken from as many in a row: few enough for their witnesses to
-// stay in the cache, and enough for the blocks to be full.
-constexpr std::size_t kWindow = 512;
-
-// The place of what has no witness: its distance is infinite.
-constexpr std::int32_t kNowhere = 0;
 
 }  // namespace
 
@@ -80,22 +75,52 @@ class FeatureCandidates::BlockWriter {
   const FeatureBlock& block_;
 };
 
-FeatureCandidates::FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates) {
-  group_at_ = {-1};
-  FormGroups(pair, candidates);
-  PackGroups(pair, candidates);
-  DisbandUncertain(pair);
-  std::sort(loners_.begin(), loners_.end());
+FeatureCandidates::FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates)
+    : place_(candidates.size(), kNowhere), group_at_(1, -1) {
+  Column<std::int32_t> all(candidates.size());
+  std::iota(all.begin(), all.end(), 0);
+  Regroup(pair, candidates, all);
+  formed_ = static_cast<std::int32_t>(groups_.size());
 }
 
-void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates& candidates) {
+void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& candidates,
+                                std::span<const std::int32_t> changed) {
+  for (std::int32_t k : changed) {
+    if (place_[k] != kNowhere) Disband(group_at_[place_[k]]);
+  }
+  std::sort(loners_.begin(), loners_.end());
+  thread_local Column<std::int32_t> rest;
+  rest.clear();
+  std::ranges::set_difference(loners_, changed, std::back_inserter(rest));
+  std::swap(loners_, rest);
+  const std::size_t first_group = groups_.size(), first_block = blocks_.size();
+  FormGroups(pair, candidates, changed);
+  PackGroups(pair, candidates, first_group);
+  thread_local Column<FeatureWitness> witnesses;
+  for (std::int32_t uncertain : PlaceWitnesses(pair, first_block, kInfinity, &witnesses)) {
+    Disband(uncertain);
+  }
+  std::sort(loners_.begin(), loners_.end());
+  std::erase_if(order_, [this](std::int32_t g) { return groups_[g].place == kNowhere; });
+  const auto ordered = static_cast<std::ptrdiff_t>(order_.size());
+  for (std::size_t g = first_group; g < groups_.size(); ++g) {
+    if (groups_[g].place != kNowhere) order_.push_back(static_cast<std::int32_t>(g));
+  }
+  std::inplace_merge(
+      order_.begin(), order_.begin() + ordered, order_.end(),
+      [this](std::int32_t g, std::int32_t h) { return groups_[g].first < groups_[h].first; });
+}
+
+void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates& candidates,
+                                   std::span<const std::int32_t> members) {
   const Bvh &a = pair.A.bvh(), &b = pair.B.bvh();
-  const auto count = static_cast<std::int32_t>(candidates.size());
-  place_.resize(count, kNowhere);
   thread_local MergeTable table;
   table.Clear();
-  Column<std::int32_t> group(count, -1), filled;
-  for (std::int32_t k = 0; k < count; ++k) {
+  thread_local Column<std::int32_t> group, filled;
+  group.assign(members.size(), -1);
+  const std::size_t first_group = groups_.size();
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const std::int32_t k = members[i];
     const FeaturePair& features = candidates.features[k];
     if (!CanTouchAtOnePoint(features) || a.slot_thin[candidates.slot_a[k]] ||
         b.slot_thin[candidates.slot_b[k]]) {
@@ -107,27 +132,29 @@ void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates&
       *known = static_cast<std::int32_t>(groups_.size());
       groups_.push_back({features, k, 0, 0, kNowhere});
     }
-    group[k] = *known;
+    group[i] = *known;
     ++groups_[*known].count;
   }
-  std::int32_t begin = 0;
-  for (Group& g : groups_) {
-    g.first_member = begin;
-    begin += g.count;
+  auto end = static_cast<std::int32_t>(members_.size());
+  for (std::size_t g = first_group; g < groups_.size(); ++g) {
+    groups_[g].first_member = end;
+    end += groups_[g].count;
   }
-  members_.resize(begin);
-  filled.resize(groups_.size(), 0);
-  for (std::int32_t k = 0; k < count; ++k) {
-    if (group[k] >= 0) members_[groups_[group[k]].first_member + filled[group[k]]++] = k;
+  members_.resize(end);
+  filled.assign(groups_.size() - first_group, 0);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (group[i] < 0) continue;
+    members_[groups_[group[i]].first_member + filled[group[i] - first_group]++] = members[i];
   }
 }
 
-void FeatureCandidates::PackGroups(const PosedPair& pair, const FacetCandidates& candidates) {
+void FeatureCandidates::PackGroups(const PosedPair& pair, const FacetCandidates& candidates,
+                                   std::size_t first) {
   thread_local std::vector<Sides> sides;
-  sides.resize(std::max(sides.size(), std::min(kWindow, groups_.size())));
-  std::vector<std::pair<std::uint64_t, Sides*>> order;
-  std::vector<Sides*> lanes;
-  for (std::size_t begin = 0; begin < groups_.size(); begin += kWindow) {
+  sides.resize(std::max(sides.size(), std::min(kWindow, groups_.size() - first)));
+  thread_local std::vector<std::pair<std::uint64_t, Sides*>> order;
+  thread_local std::vector<Sides*> lanes;
+  for (std::size_t begin = first; begin < groups_.size(); begin += kWindow) {
     order.clear();
     const std::size_t count = std::min(kWindow, groups_.size() - begin);
     for (std::size_t g = 0; g < count; ++g) {
@@ -170,7 +197,9 @@ void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
   for (const Sides* s : lanes) {
     block.ways_a = std::max(block.ways_a, static_cast<std::int32_t>(s->a.ways.size()));
     block.ways_b = std::max(block.ways_b, static_cast<std::int32_t>(s->b.ways.size()));
-    block.nearest = std::min(block.nearest, candidates.distance[s->group->first]);
+    for (std::int32_t member : Members(*s->group)) {
+      block.nearest = std::min(block.nearest, candidates.distance[member]);
+    }
   }
   BlockWriter writer(&rows_, block);
   for (std::size_t lane = 0; lane < kBvhWidth; ++lane) {
@@ -186,17 +215,14 @@ void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
   blocks_.push_back(block);
 }
 
-void FeatureCandidates::DisbandUncertain(const PosedPair& pair) {
-  thread_local Column<FeatureWitness> witnesses;
-  for (std::int32_t uncertain : PlaceWitnesses(pair, kInfinity, &witnesses)) {
-    Group& group = groups_[uncertain];
-    for (std::int32_t member : Members(group)) {
-      loners_.push_back(member);
-      place_[member] = kNowhere;
-    }
-    group_at_[group.place] = -1;
-    group.place = kNowhere;
+void FeatureCandidates::Disband(std::int32_t index) {
+  Group& group = groups_[index];
+  for (std::int32_t member : Members(group)) {
+    loners_.push_back(member);
+    place_[member] = kNowhere;
   }
+  group_at_[group.place] = -1;
+  group.place = kNowhere;
 }
 
 std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandidates& candidates,
@@ -210,7 +236,7 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
   };
   keep_near(loners_);
   const auto loners = static_cast<std::ptrdiff_t>(alone->size());
-  for (std::int32_t group : PlaceWitnesses(pair, near, witnesses)) {
+  for (std::int32_t group : PlaceWitnesses(pair, 0, near, witnesses)) {
     keep_near(Members(groups_[group]));
   }
   std::sort(alone->begin() + loners, alone->end());
@@ -219,16 +245,19 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
 }
 
 const Column<std::int32_t>& FeatureCandidates::PlaceWitnesses(
-    const PosedPair& pair, double near, Column<FeatureWitness>* witnesses) const {
+    const PosedPair& pair, std::size_t first_block, double near,
+    Column<FeatureWitness>* witnesses) const {
   thread_local Column<std::uint8_t> uncertain;
   thread_local Column<std::int32_t> groups;
   if (uncertain.size() < blocks_.size()) uncertain.resize(blocks_.size());
   if (witnesses->size() < group_at_.size()) witnesses->resize(group_at_.size());
-  pair.kernels.feature_distances(rows_.data(), blocks_.data(), blocks_.size(), pair.matrix, near,
-                                 kTouching * pair.size, witnesses->data() + 1, uncertain.data());
+  pair.kernels.feature_distances(
+      rows_.data(), blocks_.data() + first_block, blocks_.size() - first_block, pair.matrix, near,
+      kTouching * pair.size, witnesses->data() + 1 + kBvhWidth * first_block,
+      uncertain.data() + first_block);
   (*witnesses)[kNowhere].distance = kInfinity;
   groups.clear();
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+  for (std::size_t i = first_block; i < blocks_.size(); ++i) {
     for (unsigned bits = uncertain[i]; bits != 0; bits &= bits - 1) {
       const std::size_t place = 1 + kBvhWidth * i + __builtin_ctz(bits);
       (*witnesses)[place].distance = kInfinity;

@@ -23,10 +23,13 @@ struct FacetCandidates {
   std::size_t size() const { return slot_a.size(); }
 };
 
-// Immutable.
 class FeatureCandidates {
  public:
-  // All candidates on the same two features.
+  // Blocks hold groups of one kind, taken from as many in a row: few enough for their witnesses to
+  // stay in the cache, and enough for the blocks to be full.
+  static constexpr std::size_t kWindow = 512;
+
+  // All candidates on the same two features, or some of them.
   struct Group {
     FeaturePair features;
     std::int32_t first;         // candidate
@@ -37,8 +40,24 @@ class FeatureCandidates {
 
   FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates);
 
+  // Takes note that the features of the `changed` candidates, in order, are others now. Those whose
+  // features leave something uncertain at this pose are to be measured one by one from now on.
+  void Regroup(const PosedPair& pair, const FacetCandidates& candidates,
+               std::span<const std::int32_t> changed);
+
+  // Whether regrouping has left so much behind that forming all groups anew is better.
+  bool Sparse() const { return groups_.size() > 2 * order_.size() + kWindow; }
+
+  // Whether a candidate is in no group.
+  bool Alone(std::int32_t candidate) const { return place_[candidate] == kNowhere; }
+
+  const Group& group(std::int32_t index) const { return groups_[index]; }
+
   // By their first candidate.
-  const Column<Group>& groups() const { return groups_; }
+  const Column<std::int32_t>& order() const { return order_; }
+
+  // Whether there may be other groups on the same features.
+  bool MayHaveTwin(std::int32_t index) const { return index >= formed_; }
 
   // Where Measure leaves the witness of each candidate.
   const Column<std::int32_t>& place() const { return place_; }
@@ -57,16 +76,22 @@ class FeatureCandidates {
   std::span<const std::int32_t> Members(const Group& group) const {
     return {&members_[group.first_member], static_cast<std::size_t>(group.count)};
   }
-  void FormGroups(const PosedPair& pair, const FacetCandidates& candidates);
-  void PackGroups(const PosedPair& pair, const FacetCandidates& candidates);
-  void DisbandUncertain(const PosedPair& pair);
+  void FormGroups(const PosedPair& pair, const FacetCandidates& candidates,
+                  std::span<const std::int32_t> members);
+  void PackGroups(const PosedPair& pair, const FacetCandidates& candidates, std::size_t first);
   void PackBlock(std::span<Sides* const> lanes, const FacetCandidates& candidates);
+  void Disband(std::int32_t group);
+
+  // The place of what has no witness: its distance is infinite.
+  static constexpr std::int32_t kNowhere = 0;
 
   // Returns the groups that are uncertain at this pose.
-  const Column<std::int32_t>& PlaceWitnesses(const PosedPair& pair, double near,
-                                             Column<FeatureWitness>* witnesses) const;
+  const Column<std::int32_t>& PlaceWitnesses(const PosedPair& pair, std::size_t first_block,
+                                             double near, Column<FeatureWitness>* witnesses) const;
 
-  Column<Group> groups_;
+  Column<Group> groups_;           // those disbanded have no place
+  Column<std::int32_t> order_;     // of those that have one
+  std::int32_t formed_ = 0;        // that many were formed together
   Column<std::int32_t> members_;   // candidates, group by group
   Column<std::int32_t> loners_;    // candidates without a group, in order
   Column<std::int32_t> place_;     // of each candidate

@@ -21,9 +21,12 @@ class FeatureSide {
     ways.clear();
     ends_.clear();
     squared_longest = 0;
+    last_slot_ = -1;
   }
 
   void AddFacet(std::int32_t slot) {
+    if (slot == last_slot_) return;
+    last_slot_ = slot;
     const double* at = &mesh_->bvh().slot_coordinates[9 * static_cast<std::size_t>(slot)];
     const auto& vertices = mesh_->bvh().slot_vertices[slot];
     const Vec3 p[3] = {{at[0], at[1], at[2]}, {at[3], at[4], at[5]}, {at[6], at[7], at[8]}};
@@ -56,6 +59,7 @@ class FeatureSide {
 
   const CollisionMesh* mesh_ = nullptr;
   Feature feature_{};
+  std::int32_t last_slot_ = -1;
   std::vector<std::int32_t> ends_;
 };
 

@@ -15,29 +15,42 @@
 
 namespace contact_toolkit {
 
-// Rows with the candidates they belong to.
+// Candidates measured one by one.
 struct MeasuredRows {
-  WitnessPairs rows;
-  Column<std::int32_t> candidate;
+  Column<std::int32_t> measured;   // candidates
+  Column<FeaturePair> features;    // of each
+  WitnessPairs rows;               // of those within the standoff
+  Column<std::int32_t> candidate;  // of each row
 
-  // From candidates measured one by one.
-  void Measure(const PosedPair& pair, const FacetCandidates& candidates,
-               const Column<std::int32_t>& alone, double standoff) {
+  void Clear() {
+    measured.clear();
+    features.clear();
     rows.Resize(0);
     candidate.clear();
+  }
+
+  // Measures the candidates in `measured`.
+  void Measure(const PosedPair& pair, const FacetCandidates& candidates, double standoff) {
     RowWriter write{pair, standoff, false, nullptr, &rows};
     thread_local FacetPairs chunk;
-    for (std::size_t begin = 0; begin < alone.size(); begin += chunk.count) {
+    for (std::size_t begin = 0; begin < measured.size(); begin += chunk.count) {
       chunk.count =
-          static_cast<int>(std::min<std::size_t>(FacetPairs::kCapacity, alone.size() - begin));
+          static_cast<int>(std::min<std::size_t>(FacetPairs::kCapacity, measured.size() - begin));
       for (int k = 0; k < chunk.count; ++k) {
-        chunk.slot_a[k] = candidates.slot_a[alone[begin + k]];
-        chunk.slot_b[k] = candidates.slot_b[alone[begin + k]];
+        chunk.slot_a[k] = candidates.slot_a[measured[begin + k]];
+        chunk.slot_b[k] = candidates.slot_b[measured[begin + k]];
       }
       MeasureFacetPairs(pair, &chunk);
+      std::size_t row = rows.size();
       write(chunk);
       for (int k = 0; k < chunk.count; ++k) {
-        if (!(chunk.distance[k] > standoff)) candidate.push_back(alone[begin + k]);
+        if (chunk.distance[k] > standoff) {
+          features.push_back(FeaturesOf(pair, chunk, k));
+          continue;
+        }
+        features.push_back({rows.feature_a[row], rows.feature_b[row]});
+        candidate.push_back(measured[begin + k]);
+        ++row;
       }
     }
   }
@@ -78,10 +91,13 @@ class RowMerger {
 
   void WriteMerged() {
     const std::size_t alone = measured_.rows.size();
-    rows_.Resize(alone + features_.groups().size());
+    rows_.Resize(alone + features_.order().size());
     thread_local MergeTable table;
     table.Clear();
     for (std::size_t i = 0; i < alone; ++i) table.Find(KeyOf(i));
+    for (std::int32_t g : features_.order()) {
+      if (features_.MayHaveTwin(g)) table.Find(features_.group(g).features.key());
+    }
     std::size_t i = 0;
     const auto copy_until = [&](std::int32_t end) {
       for (; i < alone && measured_.candidate[i] < end; ++i) {
@@ -94,11 +110,12 @@ class RowMerger {
         }
       }
     };
-    for (const FeatureCandidates::Group& group : features_.groups()) {
+    for (std::int32_t g : features_.order()) {
+      const FeatureCandidates::Group& group = features_.group(g);
       const FeatureWitness& w = witnesses_[group.place];
       if (!(w.distance <= standoff_)) continue;
       copy_until(group.first);
-      std::int32_t* row = alone > 0 ? table.Known(group.features.key()) : nullptr;
+      std::int32_t* row = table.Known(group.features.key());
       if (row != nullptr && *row >= 0) {
         rows_.multiplicity[*row] += group.count;
         continue;

@@ -35,17 +35,17 @@ inline constexpr double kNearlyParallel = 1e-7;
 inline constexpr double kCertain = 1e-10;
 inline constexpr double kCertainAgain = 4 * kCertain;
 
-// [-] On well-conditioned features, the sides on which corners and feet lie are certain at this much
-// less: they are errors of a dozen roundings, 1e-14, for kCertain's of distances.
+// [-] On well-conditioned features, the sides on which corners and feet lie are certain at this
+// much less: they are errors of a dozen roundings, 1e-14, for kCertain's of distances.
 inline constexpr double kFootError = 1e-4;
 
-// [-] The worst condition of a pair of edges, or a facet, in the fast kernel: the inverse of sin² of
-// their angle, or of how thin it is.
+// [-] The worst condition of a pair of edges, or a facet, in the fast kernel: the inverse of sin²
+// of their angle, or of how thin it is.
 inline constexpr double kWorstCondition = 1e7;
 
-// [-] The error of heights that the check of remembered features takes in single precision, over
-// the distance and the longest edge: a dozen roundings of 6e-8.
-inline constexpr double kSingleError = 1e-6;
+// [-] The error of the heights that the check of remembered features takes, over the distance and
+// the longest edge: it keeps the directions of edges in single precision.
+inline constexpr double kSingleError = 1e-7;
 
 // [-] Remembered features closer than this share of the longest edge around are measured afresh:
 // below it, rounding could let nearly parallel edges at two corners win over the corners.
@@ -53,11 +53,20 @@ inline constexpr double kTooClose = 2e-5;
 
 // [-] Features of facets smaller than this share of the coordinates' size are not remembered: the
 // facets would not keep their shape, to within the margins above, where they are posed.
-inline constexpr double kTinyFacet = 1e-8;
+inline constexpr double kTinyFacet = 1e-7;
 
-// [-] Candidates are worn when this many times their number had to be measured: about what it costs
-// to gather them.
-inline constexpr int kWorn = 3;
+// [-] Candidates are worn when this share of them would have to be measured because they have
+// changed features: some steps later that has cost as much as gathering anew.
+inline constexpr double kWorn = 0.25;
+
+// [-] Features are learnt anew when this many times as many pairs have been measured one by one as
+// in the last query: about what learning costs. But not for a few.
+inline constexpr int kLearning = 3;
+inline constexpr int kFewPairs = 100;
+
+// [-] Candidates are worth gathering when the slack is at least this many times the last motion:
+// that many queries make up for what gathering costs beyond a query from scratch.
+inline constexpr double kWorthGathering = 4;
 
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.

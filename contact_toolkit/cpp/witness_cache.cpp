@@ -31,6 +31,21 @@ FacetCandidates Gather(const PosedPair& pair, double reach) {
 
 }  // namespace
 
+double LargestMotion(const CollisionMesh& B, const Pose& before, const Pose& after) {
+  // |ΔR q + Δp| over B's bounding sphere, with the Frobenius norm of ΔR for its spectral norm.
+  Mat3 change;
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    change.row[i] = after.R.row[i] - before.R.row[i];
+    squared += SquaredNorm(change.row[i]);
+  }
+  const Bvh& b = B.bvh();
+  const double turned = std::sqrt(squared) * Norm(b.half_extent);
+  const double moved = Norm(change * b.origin + (after.p - before.p));
+  const double rounding = kTouching * (Norm(b.origin) + Norm(b.half_extent) + Norm(after.p));
+  return turned + moved + rounding;
+}
+
 WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B,
                                      const Pose& X_AB, double standoff, double slack)
     : A_(A),
@@ -40,54 +55,84 @@ WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh
       candidates_(Gather(PosedPair(A, B, X_AB), reach_)),
       features_(PosedPair(A, B, X_AB), candidates_) {}
 
-double WitnessCandidates::Motion(const Pose& X_AB) const {
-  // |ΔR q + Δp| over B's bounding sphere, with the Frobenius norm of ΔR for its spectral norm.
-  Mat3 change;
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) {
-    change.row[i] = X_AB.R.row[i] - X_AB_.R.row[i];
-    squared += SquaredNorm(change.row[i]);
-  }
-  const Bvh& b = B_.bvh();
-  const double turned = std::sqrt(squared) * Norm(b.half_extent);
-  const double moved = Norm(change * b.origin + (X_AB.p - X_AB_.p));
-  const double rounding = kTouching * (Norm(b.origin) + Norm(b.half_extent) + Norm(X_AB.p));
-  return turned + moved + rounding;
-}
-
-std::size_t WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
-                                                WitnessPairs* pairs) const {
+void WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
+                                         WitnessPairs* pairs, MeasuredRows* measured) const {
   pairs->Resize(0);
   const PosedPair pair(A_, B_, X_AB);
-  const double near = standoff + Motion(X_AB);
   thread_local Column<FeatureWitness> witnesses;
-  thread_local Column<std::int32_t> alone;
-  thread_local MeasuredRows measured;
-  changed_ += features_.Measure(pair, candidates_, near, &witnesses, &alone);
-  measured.Measure(pair, candidates_, alone, standoff);
-  RowMerger rows(pair, candidates_, features_, witnesses, measured, standoff, pairs);
+  measured->Clear();
+  features_.Measure(pair, candidates_, standoff + Motion(X_AB), &witnesses, &measured->measured);
+  measured->Measure(pair, candidates_, standoff);
+  RowMerger rows(pair, candidates_, features_, witnesses, *measured, standoff, pairs);
   if (merge) {
     rows.WriteMerged();
   } else {
     rows.WriteSingle();
   }
-  return alone.size();
+}
+
+bool WitnessCandidates::Worn(const Pose& X_AB, double standoff) const {
+  thread_local Column<FeatureWitness> witnesses;
+  thread_local Column<std::int32_t> alone;
+  const std::size_t changed = features_.Measure(PosedPair(A_, B_, X_AB), candidates_,
+                                                standoff + Motion(X_AB), &witnesses, &alone);
+  return changed > kWorn * static_cast<double>(size());
+}
+
+std::size_t WitnessCandidates::Learn(const Pose& X_AB, const MeasuredRows& measured) {
+  for (std::size_t i = 0; i < measured.measured.size(); ++i) {
+    candidates_.features[measured.measured[i]] = measured.features[i];
+  }
+  const PosedPair pair(A_, B_, X_AB);
+  if (features_.Sparse()) {
+    features_ = FeatureCandidates(pair, candidates_);
+  } else {
+    features_.Regroup(pair, candidates_, measured.measured);
+  }
+  return std::ranges::count_if(measured.measured,
+                               [this](std::int32_t k) { return features_.Alone(k); });
 }
 
 WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
                            std::shared_ptr<const CollisionMesh> B, double slack)
     : A_(std::move(A)), B_(std::move(B)), slack_(slack) {}
 
+double WitnessCache::SlackAt(double standoff) const {
+  if (slack_ > 0) return slack_;
+  return standoff > 0 ? standoff / 4 : 1e-3 * std::min(A_->diagonal(), B_->diagonal());
+}
+
 void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
                                     WitnessPairs* pairs) {
-  if (!candidates_ || !candidates_->Covers(X_AB, standoff) || candidates_->Worn()) {
-    const double slack = slack_ > 0     ? slack_
-                         : standoff > 0 ? standoff / 4
-                                        : 1e-3 * std::min(A_->diagonal(), B_->diagonal());
+  Query(X_AB, standoff, merge, pairs);
+  last_X_AB_ = X_AB;
+  last_standoff_ = standoff;
+}
+
+void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs) {
+  measured_.Clear();
+  if (!candidates_ || !candidates_->Covers(X_AB, standoff)) {
+    const double slack = SlackAt(standoff);
+    const double step =
+        last_X_AB_ ? LargestMotion(*B_, *last_X_AB_, X_AB) + std::abs(standoff - last_standoff_)
+                   : 0;
+    if (kWorthGathering * step > slack) {
+      candidates_.reset();
+      return contact_toolkit::FindWitnessPairs(*A_, *B_, X_AB, standoff, {merge, 1}, pairs);
+    }
     candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, slack);
     ++gathered_;
+    toil_ = 0, patience_ = 1;
   }
-  measured_ = candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs);
+  candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs, &measured_);
+  toil_ += measured_.measured.size();
+  if (toil_ >=
+      kLearning * patience_ * std::max<std::size_t>(measured_.measured.size(), kFewPairs)) {
+    // Where it was in vain, as on faces that stay parallel, the next time is put off.
+    patience_ =
+        2 * candidates_->Learn(X_AB, measured_) < measured_.measured.size() ? 1 : 2 * patience_;
+    toil_ = 0;
+  }
 }
 
 }  // namespace contact_toolkit

@@ -1,23 +1,27 @@
 // Temporal coherence: facet pairs gathered once around a pose answer all queries near it.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "feature_candidates.h"
 #include "mesh.h"
+#include "row_merger.h"
 #include "tolerances.h"
 #include "vec.h"
 #include "witness.h"
 
 namespace contact_toolkit {
 
+// [m] An upper bound of how far any point of B moves in A between two poses.
+double LargestMotion(const CollisionMesh& B, const Pose& before, const Pose& after);
+
 // All facet pairs within standoff + slack of each other at a reference pose, in the traversal's
 // order, with their distances there. A distance changes at most as far as any point of B moves, so
 // near that pose no other pair can come within the standoff, and most of those that cannot either
 // are passed over untested. Those that can are mostly seen to be closest at the features they were
-// closest at; only the others are measured from scratch. Immutable. The meshes must outlive it.
+// closest at; only the others are measured from scratch. The meshes must outlive it.
 class WitnessCandidates {
  public:
   WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
@@ -26,20 +30,24 @@ class WitnessCandidates {
   // Whether the answer at this pose is sure to be complete.
   bool Covers(const Pose& X_AB, double standoff) const { return standoff + Motion(X_AB) <= reach_; }
 
-  // The same rows, bit for bit, as a query from scratch. Call only where covered. Returns how many
-  // facet pairs had to be measured from scratch.
-  std::size_t FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
-                               WitnessPairs* pairs) const;
+  // The same rows, bit for bit, as a query from scratch, and what had to be measured for that. Call
+  // only where covered.
+  void FindWitnessPairs(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs,
+                        MeasuredRows* measured) const;
 
-  // Whether so many facet pairs have been measured because they changed features that gathering
-  // anew is the cheaper way on.
-  bool Worn() const { return changed_ > kWorn * size(); }
+  // Whether so many facet pairs would have to be measured at this pose, because they have changed
+  // features, that gathering anew is the cheaper way on. Call only where covered.
+  bool Worn(const Pose& X_AB, double standoff) const;
+
+  // Remembers the features that were found where these pairs were measured. Returns how many of
+  // them are not certain there even so.
+  std::size_t Learn(const Pose& X_AB, const MeasuredRows& measured);
 
   std::size_t size() const { return candidates_.size(); }
 
  private:
-  // [m] An upper bound of how far any point of B has moved in A since the reference pose.
-  double Motion(const Pose& X_AB) const;
+  // [m] How far B has moved since the reference pose.
+  double Motion(const Pose& X_AB) const { return LargestMotion(B_, X_AB_, X_AB); }
 
   const CollisionMesh& A_;
   const CollisionMesh& B_;
@@ -47,11 +55,11 @@ class WitnessCandidates {
   double reach_;
   FacetCandidates candidates_;
   FeatureCandidates features_;
-  mutable std::atomic<std::size_t> changed_ = 0;  // pairs, in all queries; no answer depends on it
 };
 
-// Witness pairs along a motion: gathers candidates anew whenever the pose has left their slack, or
-// they are worn.
+// Witness pairs along a motion. Candidates are gathered anew when the pose has left their slack,
+// unless it moves so fast that they would not pay: then queries are answered from scratch. Where
+// many pairs have had to be measured, their features are remembered instead of the old ones.
 // Not to be shared between threads.
 class WitnessCache {
  public:
@@ -63,15 +71,22 @@ class WitnessCache {
 
   int gathered() const { return gathered_; }  // how often candidates had to be gathered
 
-  // Facet pairs measured from scratch by the last query, after any gathering.
-  std::size_t measured() const { return measured_; }
+  // Facet pairs that the last query measured one by one from among the candidates.
+  std::size_t measured() const { return measured_.measured.size(); }
 
  private:
+  double SlackAt(double standoff) const;
+  void Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs);
+
   std::shared_ptr<const CollisionMesh> A_, B_;
   double slack_;
-  std::unique_ptr<const WitnessCandidates> candidates_;
+  std::unique_ptr<WitnessCandidates> candidates_;
+  std::optional<Pose> last_X_AB_;
+  double last_standoff_ = 0;
+  MeasuredRows measured_;
+  std::size_t toil_ = 0;      // pairs measured since features were last learnt
+  std::size_t patience_ = 1;  // how many times the candidates' number before they are again
   int gathered_ = 0;
-  std::size_t measured_ = 0;
 };
 
 }  // namespace contact_toolkit

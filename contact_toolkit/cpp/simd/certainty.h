@@ -1,21 +1,21 @@
 // Whether a pair of points is the closest of two facets beyond what rounding can hide.
 //
 // Facets are convex: pa on A and pb on B are closest, with v = pa − pb, just when no corner of A
-// lies behind pa along v and none of B before pb. Then any points x = Σ λ_k A_k and y = Σ μ_k B_k are
-// farther apart: |x − y|² = |v|² + E, with E = 2 Σ (λ_k h_k + μ_k h_k) + |x − y − v|² over the heights
-// h ≥ 0 of the corners off the points' features. Two things follow, if the heights are at least h and
-// the points keep a room r towards the ends of their features (across each other, of two edges).
+// lies behind pa along v and none of B before pb. Then any points x = Σ λ A_k and y = Σ μ B_k are
+// farther apart: |x − y|² = |v|² + E, E = 2 Σ (λ + μ) h + |x − y − v|², summed over the heights h ≥
+// 0 of the corners off the points' features. Two things follow if these heights are h at least, and
+// the points keep a room r from the ends of their features (two edges: across the other one).
 //
-// 1. On other features, E ≥ min(h r / D, r² / 16), D being the longest edge plus the distance: either
-//    x − y is as far from v as r / 4, or it got back there with λ and μ that add up to r / (2 D). Nor
-//    is a corner, whose λ is 1, nearer than E = 2 h. If that is above ρ², the error of the fast
-//    kernel's squared distances, such points cannot win.
-// 2. Points on the features next to a corner, as near to it as one likes, are left out by a sign: the
-//    feet on lines and planes through it lie outside by h. What rounding does to that sign, and to
-//    the heights through the points they are taken at, is a multiple of D²: a small one, but as the
-//    inverse of sin² between the edges, and of the facet's height in its size, squared.
+// 1. On other features, E ≥ min(h r / D, r² / 16), D being the longest edge plus the distance:
+//    either x − y is as far from v as r / 4, or λ and μ that add up to r / (2 D) brought it back.
+//    At a corner off the features, E ≥ 2 h. What exceeds ρ², the error of the fast kernel's squared
+//    distances, cannot win.
+// 2. Points on features next to a corner, as near to it as one likes, are left out by a sign: the
+//    feet on lines and planes through it lie outside by h. Rounding changes that, and the heights
+//    themselves, by a multiple of D²: a small one, but as the inverse of sin² between the edges, or
+//    of the facet's height over its longest edge, squared.
 //
-// So the heights may be tiny, as they are along nearly parallel edges, if there is room.
+// So heights may be tiny, as along nearly parallel edges, if there is room.
 #pragma once
 
 #include <limits>
@@ -39,8 +39,8 @@ struct Margin {
         span(longest + distance),
         squared(this->share * span * (distance + distance + this->share * span)) {}
 
-  // Of the least height along v [m²] and the points' condition, the square of how far rounding moves
-  // them over rounding.
+  // Of the least height along v [m²], and how many times as far as on a single edge rounding moves
+  // the points.
   CT_INLINE auto Clears(V height, V condition) const {
     return height >= share * (Fill<V>(1) + Fill<V>(kFootError) * condition) * span * span;
   }

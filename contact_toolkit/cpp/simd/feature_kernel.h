@@ -108,15 +108,16 @@ CT_INLINE const float* HalfRow(const LaneRow* rows, int index, int first_lane) {
 }
 
 // The least of the heights along v over `ways` ways, each over the longest edge [m].
-template <class F>
-CT_INLINE F LeastHeight(const LaneRow* rows, int begin, int ways, int first_lane, const Vec<F>& v) {
-  F least = F{} + std::numeric_limits<float>::infinity();
-  for (int k = 0; k < ways; ++k) {
-    Vec<F> way;
-    __builtin_memcpy(&way.x, HalfRow(rows, 3 * (begin + k), first_lane), sizeof way.x);
-    __builtin_memcpy(&way.y, HalfRow(rows, 3 * (begin + k) + 1, first_lane), sizeof way.y);
-    __builtin_memcpy(&way.z, HalfRow(rows, 3 * (begin + k) + 2, first_lane), sizeof way.z);
-    least = Least(Dot(way, v), least);
+template <int lanes, class V>
+CT_INLINE V LeastHeight(const LaneRow* rows, int begin, int ways, int first_lane, const Vec<V>& v) {
+  const auto entry = [&](int index) {
+    typename LanesOf<lanes>::Single value;
+    __builtin_memcpy(&value, HalfRow(rows, index, first_lane), sizeof value);
+    return Converted<V>(value);
+  };
+  V least = Fill<V>(std::numeric_limits<double>::infinity());
+  for (int k = 3 * begin; k < 3 * (begin + ways); k += 3) {
+    least = Least(Dot(Vec<V>{entry(k), entry(k + 1), entry(k + 2)}, v), least);
   }
   return least;
 }
@@ -126,7 +127,6 @@ template <int lanes, int corners_a, int corners_b>
 CT_INLINE unsigned MeasureFeatures(const LaneRow* rows, const FeatureBlock& block, int first_lane,
                                    const double* X, double touching, FeatureWitness* witnesses) {
   using V = typename LanesOf<lanes>::Type;
-  using F = typename LanesOf<lanes>::Single;
   const LaneRow* row = rows + block.first_row;
   const auto next = [&] {
     V value;
@@ -147,19 +147,15 @@ CT_INLINE unsigned MeasureFeatures(const LaneRow* rows, const FeatureBlock& bloc
   const V distance = SquareRoot(Dot(v, v)), inverse = Fill<V>(1) / distance;
   const Margin<V> margin(longest, distance, kCertainAgain);
 
-  F least = F{} + std::numeric_limits<float>::infinity();
-  const Vec<F> v_A{Converted<F>(v.x), Converted<F>(v.y), Converted<F>(v.z)};
-  if constexpr (corners_a < 3) least = LeastHeight(row, 0, block.ways_a, first_lane, v_A);
+  V least = Fill<V>(std::numeric_limits<double>::infinity());
+  if constexpr (corners_a < 3) least = LeastHeight<lanes>(row, 0, block.ways_a, first_lane, v);
   if constexpr (corners_b < 3) {
-    const auto along = [&](int k) {
-      return static_cast<float>(X[k]) * v_A.x + static_cast<float>(X[3 + k]) * v_A.y +
-             static_cast<float>(X[6 + k]) * v_A.z;
-    };
-    const Vec<F> v_B{along(0), along(1), along(2)};
+    const auto along = [&](int k) { return X[k] * v.x + X[3 + k] * v.y + X[6 + k] * v.z; };
+    const Vec<V> v_B{along(0), along(1), along(2)};
     const int begin = corners_a < 3 ? block.ways_a : 0;
-    least = Least(LeastHeight(row, begin, block.ways_b, first_lane, v_B), least);
+    least = Least(LeastHeight<lanes>(row, begin, block.ways_b, first_lane, v_B), least);
   }
-  const V height = longest * (Converted<V>(least) - Fill<V>(kSingleError) * distance);
+  const V height = longest * (least - Fill<V>(kSingleError) * distance);
   auto certain = closest.regular & (distance > Fill<V>(touching)) &
                  (distance > Fill<V>(kTooClose) * longest) &
                  margin.Clears(height, closest.condition);
