@@ -67,5 +67,5 @@ def require_cold_rows(
     for X_AB in path[:: _STEPS // 4]:
         warm = cache.witness_pairs(X_AB, standoff, merge=False)
         cold = witness_pairs(A, B, X_AB, standoff, merge=False)
-        for column, values in vars(cold).items():
+        for column, values in cold.columns().items():
             np.testing.assert_array_equal(getattr(warm, column), values, err_msg=column)

@@ -5,7 +5,10 @@ Every query takes `X_AB`, the pose of B in A as a (4, 4) homogeneous matrix, and
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,38 +53,71 @@ class ClosestPair:
     feature_b: tuple[int, int]
 
 
-@dataclass(frozen=True)
 class WitnessPairs:
     """Facet pairs closer than a standoff, one row each; see `witness_pairs`.
 
-    Attributes
-    ----------
-    distance
-        (n,) [m]; 0 where facets cross.
-    p_ACa, p_ACb
-        (n, 3) witness points on A and B, in A [m]; the same point where facets cross.
-    normal_A
-        (n, 3) unit vectors from B towards A; by the facets' windings where the distance is zero.
-    facet_a, facet_b
-        (n,) the facets; of a merged row, those of the first pair found.
-    feature_a, feature_b
-        (n, 2) kind and index of the features the witness points lie on.
-    multiplicity
-        (n,) how many facet pairs the row stands for; 1 everywhere when not merged.
+    The columns are read-only arrays, made where the rows lie when they are first read.
     """
 
-    distance: Floats
-    p_ACa: Floats
-    p_ACb: Floats
-    normal_A: Floats
-    facet_a: Ints
-    facet_b: Ints
-    feature_a: Ints
-    feature_b: Ints
-    multiplicity: Ints
+    def __init__(self, rows: _core.WitnessPairs) -> None:
+        self._rows = rows
 
     def __len__(self) -> int:
-        return len(self.distance)
+        return len(self._rows)
+
+    @cached_property
+    def distance(self) -> Floats:
+        """(n,) [m]; 0 where facets cross."""
+        return self._rows.distance
+
+    @cached_property
+    def p_ACa(self) -> Floats:
+        """(n, 3) witness points on A, in A [m]."""
+        return self._rows.p_ACa
+
+    @cached_property
+    def p_ACb(self) -> Floats:
+        """(n, 3) witness points on B, in A [m]; those on A where facets cross."""
+        return self._rows.p_ACb
+
+    @cached_property
+    def normal_A(self) -> Floats:
+        """(n, 3) unit vectors from B towards A; by the facets' windings at distance zero."""
+        return self._rows.normal_A
+
+    @cached_property
+    def facet_a(self) -> Ints:
+        """(n,) facets of A; of a merged row, that of the first pair found."""
+        return self._rows.facet_a
+
+    @cached_property
+    def facet_b(self) -> Ints:
+        """(n,) facets of B; of a merged row, that of the first pair found."""
+        return self._rows.facet_b
+
+    @cached_property
+    def feature_a(self) -> Ints:
+        """(n, 2) kind and index of the feature of A the witness point lies on."""
+        return self._rows.feature_a
+
+    @cached_property
+    def feature_b(self) -> Ints:
+        """(n, 2) kind and index of the feature of B the witness point lies on."""
+        return self._rows.feature_b
+
+    @cached_property
+    def multiplicity(self) -> Ints:
+        """(n,) how many facet pairs the row stands for; 1 everywhere when not merged."""
+        return self._rows.multiplicity
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return all columns by their names."""
+        return {name: getattr(self, name) for name in _COLUMNS}
+
+
+_COLUMNS = [
+    name for name, value in vars(WitnessPairs).items() if isinstance(value, cached_property)
+]
 
 
 def distance(A: Shape, B: Shape, X_AB: ArrayLike, *, upper_bound: float = np.inf) -> ClosestPair:
@@ -149,7 +185,7 @@ def witness_pairs(
     if threads < 1:
         raise ValueError(f"threads must be at least 1, not {threads}")
     return WitnessPairs(
-        **_core.witness_pairs(A._core, B._core, as_pose(X_AB), standoff, merge, threads)
+        _core.witness_pairs(A._core, B._core, as_pose(X_AB), standoff, merge, threads)
     )
 
 
@@ -157,8 +193,10 @@ class WitnessCache:
     """`witness_pairs` along a motion, several times faster while the pose changes little.
 
     Facet pairs are gathered once within a slack beyond the standoff; as long as no point of B has
-    moved through the slack, only they are tested. The rows are those of `witness_pairs` bit for
-    bit. Not to be shared between threads.
+    moved through the slack, only they are tested. Where the pose moves so fast that gathering would
+    not pay, queries are answered from scratch. The rows are those of `witness_pairs` bit for bit.
+    After some queries the next ones allocate nothing, but for the array objects of the columns that
+    are read; gathering does. Not to be shared between threads.
 
     Parameters
     ----------
@@ -176,7 +214,7 @@ class WitnessCache:
     ) -> WitnessPairs:
         """See the function `witness_pairs`."""
         _require_standoff(standoff)
-        return WitnessPairs(**self._core.witness_pairs(as_pose(X_AB), standoff, merge))
+        return WitnessPairs(self._core.witness_pairs(as_pose(X_AB), standoff, merge))
 
     @property
     def gathered(self) -> int:
@@ -185,12 +223,12 @@ class WitnessCache:
 
     @property
     def measured(self) -> int:
-        """How many facet pairs the last query measured from scratch."""
+        """How many gathered facet pairs the last query could not settle by features it knew."""
         return self._core.measured
 
 
 def _require_standoff(standoff: float) -> None:
-    if not (np.isfinite(standoff) and standoff >= 0):
+    if not (math.isfinite(standoff) and standoff >= 0):
         raise ValueError(f"standoff must be a finite length of at least 0 m, not {standoff}")
 
 

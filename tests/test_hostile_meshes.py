@@ -68,7 +68,7 @@ def _equal_to_brute_force(A, B, X_AB, standoff, tolerance):
     merged = witness_pairs(A, B, X_AB, standoff)
     assert merged.multiplicity.sum() == len(found)
     for result in (found, merged):
-        for column in vars(result).values():
+        for column in result.columns().values():
             assert np.isfinite(column).all()
     closest = distance(A, B, X_AB)
     nearest = brute.closest_facet_pair(A, B, X_AB)

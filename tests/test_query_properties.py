@@ -1,5 +1,7 @@
 """What must not change an answer, and what must change it in step (hypothesis)."""
 
+from types import SimpleNamespace
+
 import mesh_shapes
 import numpy as np
 import pytest
@@ -56,10 +58,10 @@ def _as_dict(a, b, d):
 
 def _renumbered(found, facets_a, facets_b):
     """Rows with facet k of each mesh called facets[k]."""
-    columns = dict(vars(found))
+    columns = found.columns()
     columns["facet_a"] = facets_a[found.facet_a]
     columns["facet_b"] = facets_b[found.facet_b]
-    return type(found)(**columns)
+    return SimpleNamespace(**columns)
 
 
 @some
@@ -72,7 +74,7 @@ def test_swapping_a_and_b(a, b, rng):
     )
     one = witness_pairs(A, B, X_AB, standoff, merge=False)
     two = witness_pairs(B, A, inverse(X_AB), standoff, merge=False)
-    turned = type(two)(**{**vars(two), "facet_a": two.facet_b, "facet_b": two.facet_a})
+    turned = SimpleNamespace(**{**two.columns(), "facet_a": two.facet_b, "facet_b": two.facet_a})
     _assert_same_pairs(one, turned, standoff=standoff, tolerance=3 * _TOLERANCE)
 
 
@@ -104,7 +106,7 @@ def test_uniform_scale(a, b, rng, exponent):
     X_CD = pose(X_AB[:3, :3], tuple(scale * X_AB[:3, 3]))
     one = witness_pairs(A, B, X_AB, standoff, merge=False)
     two = witness_pairs(C, D, X_CD, scale * standoff, merge=False)
-    two = type(two)(**{**vars(two), "distance": two.distance / scale})
+    two = SimpleNamespace(**{**two.columns(), "distance": two.distance / scale})
     _assert_same_pairs(one, two, standoff=standoff, tolerance=3 * _TOLERANCE)
 
 
@@ -166,7 +168,7 @@ def test_growing_standoff_only_adds(a, b, rng):
     small = witness_pairs(A, B, X_AB, 0.1, merge=False)
     large = witness_pairs(A, B, X_AB, 0.3, merge=False)
     inner = large.distance <= 0.1
-    for name, column in vars(small).items():
+    for name, column in small.columns().items():
         rows, kept = column, getattr(large, name)[inner]
         order = np.lexsort((small.facet_b, small.facet_a))
         kept_order = np.lexsort((large.facet_b[inner], large.facet_a[inner]))

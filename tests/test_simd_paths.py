@@ -40,7 +40,7 @@ def _answers(A, B, X_AB, standoff):
     yield from vars(closest).values()
     yield intersects(A, B, X_AB)
     for merge in (True, False):
-        yield from vars(witness_pairs(A, B, X_AB, standoff, merge=merge)).values()
+        yield from witness_pairs(A, B, X_AB, standoff, merge=merge).columns().values()
 
 
 def _assert_same_bits(A, B, X_AB, standoff, path):

@@ -20,7 +20,7 @@ SHAPE_PAIRS = {
 
 
 def _same(cached, cold):
-    for name, column in vars(cold).items():
+    for name, column in cold.columns().items():
         found = getattr(cached, name)
         np.testing.assert_array_equal(found, column, err_msg=name)
         assert found.tobytes() == column.tobytes(), f"{name}: zeros of unlike sign"
@@ -136,7 +136,7 @@ def test_results_survive_the_next_query():
     A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
     cache = WitnessCache(A, B)
     first = cache.witness_pairs(pose(p=(0, 0, -0.17)), 0.01)
-    copy = {name: column.copy() for name, column in vars(first).items()}
+    copy = {name: column.copy() for name, column in first.columns().items()}
     cache.witness_pairs(pose(p=(0, 0, -0.1701)), 0.012)
     del cache
     for name, column in copy.items():

@@ -22,7 +22,7 @@ def _size(A, B, X_AB):
 
 
 def _same(p, q):
-    for name, column in vars(p).items():
+    for name, column in p.columns().items():
         np.testing.assert_array_equal(column, getattr(q, name), err_msg=name)
 
 

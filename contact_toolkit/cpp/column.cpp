@@ -6,7 +6,7 @@
 namespace contact_toolkit {
 namespace {
 
-constexpr std::size_t kSmallest = 1 << 16, kMostHeld = 1 << 27;  // [bytes]
+constexpr std::size_t kSmallest = 1 << 8, kMostHeld = 1 << 27;  // [bytes]
 constexpr std::align_val_t kCacheLine{64};  // vectors that straddle lines cost two loads
 
 struct Stock {

@@ -1,5 +1,5 @@
 // A column of results: a vector whose new elements are not set, for the query writes each once, and
-// whose large blocks are kept for the next query, for a fresh block costs a page fault every 4 kB.
+// whose blocks are kept for the next query: a fresh one costs a page fault every 4 kB.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace contact_toolkit {
 
-// Blocks of at least 64 kB in sizes of powers of two; up to 128 MB lie in wait. Thread-safe.
+// Blocks of at least 256 B in sizes of powers of two; up to 128 MB lie in wait. Thread-safe.
 void* TakeBlock(std::size_t bytes);
 void GiveBlock(void* block, std::size_t bytes) noexcept;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -39,6 +40,16 @@ namespace {
 bool CanTouchAtOnePoint(const FeaturePair& features) {
   const auto dimension = [](const Feature& f) { return static_cast<int>(f.kind); };
   return dimension(features.a) + dimension(features.b) <= 2;
+}
+
+// As std::inplace_merge, but with a buffer that stays.
+template <class Less>
+void MergeHalves(Column<std::int32_t>* values, std::ptrdiff_t middle, Less less) {
+  thread_local Column<std::int32_t> merged;
+  merged.resize(values->size());
+  const auto begin = values->begin(), half = begin + middle;
+  std::merge(begin, half, half, values->end(), merged.begin(), less);
+  std::copy(merged.begin(), merged.end(), begin);
 }
 
 }  // namespace
@@ -106,9 +117,9 @@ void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& ca
   for (std::size_t g = first_group; g < groups_.size(); ++g) {
     if (groups_[g].place != kNowhere) order_.push_back(static_cast<std::int32_t>(g));
   }
-  std::inplace_merge(
-      order_.begin(), order_.begin() + ordered, order_.end(),
-      [this](std::int32_t g, std::int32_t h) { return groups_[g].first < groups_[h].first; });
+  MergeHalves(&order_, ordered, [this](std::int32_t g, std::int32_t h) {
+    return groups_[g].first < groups_[h].first;
+  });
 }
 
 void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates& candidates,
@@ -240,7 +251,7 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
     keep_near(Members(groups_[group]));
   }
   std::sort(alone->begin() + loners, alone->end());
-  std::inplace_merge(alone->begin(), alone->begin() + loners, alone->end());
+  MergeHalves(alone, loners, std::less());
   return alone->size() - loners;
 }
 

@@ -95,8 +95,8 @@ Array<typename Element<T>::Scalar> ToNumpy(std::vector<T, Allocator>&& values) {
 inline Array<double> ToNumpy(const Vec3& v) { return ToNumpy(std::vector<double>{v.x, v.y, v.z}); }
 
 // A read-only numpy view of storage that `owner` keeps alive.
-template <typename E, typename T>
-Array<E> ViewOf(const std::vector<T>& values, std::size_t columns, nb::handle owner) {
+template <typename E, typename T, typename Allocator>
+Array<E> ViewOf(const std::vector<T, Allocator>& values, std::size_t columns, nb::handle owner) {
   const std::size_t shape[2] = {values.size(), columns};
   const E* data = reinterpret_cast<const E*>(values.data());
   return Array<E>(

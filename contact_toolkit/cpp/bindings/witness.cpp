@@ -3,6 +3,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 
+#include <type_traits>
+
 #include "arrays.h"
 #include "simd/kernels.h"
 #include "witness_cache.h"
@@ -27,38 +29,34 @@ WitnessPairs RoomForRows() {
   return pairs;
 }
 
-nb::dict Rows(WitnessPairs&& pairs) {
-  last_rows = pairs.size();
-  nb::dict rows;
-  rows["distance"] = ToNumpy(std::move(pairs.distance));
-  rows["p_ACa"] = ToNumpy(std::move(pairs.p_ACa));
-  rows["p_ACb"] = ToNumpy(std::move(pairs.p_ACb));
-  rows["normal_A"] = ToNumpy(std::move(pairs.normal_A));
-  rows["facet_a"] = ToNumpy(std::move(pairs.facet_a));
-  rows["facet_b"] = ToNumpy(std::move(pairs.facet_b));
-  rows["feature_a"] = ToNumpy(std::move(pairs.feature_a));
-  rows["feature_b"] = ToNumpy(std::move(pairs.feature_b));
-  rows["multiplicity"] = ToNumpy(std::move(pairs.multiplicity));
-  return rows;
+// A column as a read-only array that keeps its rows alive: made when asked for, as making all nine
+// takes longer than many a query.
+template <auto column>
+auto ColumnOf(nb::handle rows) {
+  const auto& values = nb::cast<const WitnessPairs&>(rows).*column;
+  using E = Element<typename std::remove_cvref_t<decltype(values)>::value_type>;
+  return ViewOf<typename E::Scalar>(values, E::columns, rows);
 }
 
-nb::dict WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
-                        double standoff, bool merge, int threads) {
+WitnessPairs WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
+                            double standoff, bool merge, int threads) {
   WitnessPairs pairs = RoomForRows();
   {
     const nb::gil_scoped_release release;
     FindWitnessPairs(A, B, Pose::FromMatrix(X_AB.data()), standoff, {merge, threads}, &pairs);
   }
-  return Rows(std::move(pairs));
+  last_rows = pairs.size();
+  return pairs;
 }
 
-nb::dict CachedWitnessPairs(WitnessCache& cache, PoseIn X_AB, double standoff, bool merge) {
+WitnessPairs CachedWitnessPairs(WitnessCache& cache, PoseIn X_AB, double standoff, bool merge) {
   WitnessPairs pairs = RoomForRows();
   {
     const nb::gil_scoped_release release;
     cache.FindWitnessPairs(Pose::FromMatrix(X_AB.data()), standoff, merge, &pairs);
   }
-  return Rows(std::move(pairs));
+  last_rows = pairs.size();
+  return pairs;
 }
 
 nb::tuple FeatureTuple(const Feature& f) {
@@ -92,6 +90,17 @@ bool IntersectsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB) {
 }  // namespace
 
 void BindWitness(nb::module_& m) {
+  nb::class_<WitnessPairs>(m, "WitnessPairs")
+      .def("__len__", &WitnessPairs::size)
+      .def_prop_ro("distance", &ColumnOf<&WitnessPairs::distance>)
+      .def_prop_ro("p_ACa", &ColumnOf<&WitnessPairs::p_ACa>)
+      .def_prop_ro("p_ACb", &ColumnOf<&WitnessPairs::p_ACb>)
+      .def_prop_ro("normal_A", &ColumnOf<&WitnessPairs::normal_A>)
+      .def_prop_ro("facet_a", &ColumnOf<&WitnessPairs::facet_a>)
+      .def_prop_ro("facet_b", &ColumnOf<&WitnessPairs::facet_b>)
+      .def_prop_ro("feature_a", &ColumnOf<&WitnessPairs::feature_a>)
+      .def_prop_ro("feature_b", &ColumnOf<&WitnessPairs::feature_b>)
+      .def_prop_ro("multiplicity", &ColumnOf<&WitnessPairs::multiplicity>);
   m.def("witness_pairs", &WitnessPairsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
         nb::arg("standoff"), nb::arg("merge"), nb::arg("threads"));
   m.def("distance", &DistanceOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
