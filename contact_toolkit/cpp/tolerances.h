@@ -62,7 +62,7 @@ inline constexpr double kWorn = 0.25;
 // [-] Features are learnt anew when this many times as many pairs have been measured one by one as
 // in the last query: about what learning costs. But not for a few.
 inline constexpr int kLearning = 3;
-inline constexpr int kFewPairs = 100;
+inline constexpr int kWorthLearning = 100;
 
 // [-] Candidates are worth gathering when the slack is at least this many times the last motion:
 // that many queries make up for what gathering costs beyond a query from scratch.

@@ -127,7 +127,7 @@ void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessP
   candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs, &measured_);
   toil_ += measured_.measured.size();
   if (toil_ >=
-      kLearning * patience_ * std::max<std::size_t>(measured_.measured.size(), kFewPairs)) {
+      kLearning * patience_ * std::max<std::size_t>(measured_.measured.size(), kWorthLearning)) {
     // Where it was in vain, as on faces that stay parallel, the next time is put off.
     patience_ =
         2 * candidates_->Learn(X_AB, measured_) < measured_.measured.size() ? 1 : 2 * patience_;
