@@ -62,7 +62,8 @@ class Viewer:
         window.server_proc, window.zmq_url = None, urls["zmq_url"]
         window.connect_zmq()
         self.url = urls["web_url"]
-        self._scene = meshcat.Visualizer.view_into(window, meshcat.path.Path(("meshcat",)))
+        self._root = meshcat.Visualizer.view_into(window, meshcat.path.Path(()))
+        self._scene = self._root["meshcat"]
         self._geometry = meshcat.geometry
 
     def show(
@@ -136,6 +137,19 @@ class Viewer:
             X_FS = (1 - share) * start + share * end
             X_FS[:3, :3] = start[:3, :3] @ Rotation.from_rotvec(share * turn).as_matrix()
             self.show(f"{name}/{index}", shape, X_FS, rgba)
+
+    def look(self, camera: ArrayLike, target: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Look from a point (3,) at another, in F [m]; hide the grid and axes, which are metres."""
+        away = np.asarray(camera, np.float64) - np.asarray(target, np.float64)
+        if away.shape != (3,) or not (np.isfinite(away).all() and away.any()):
+            raise ValueError(f"camera and target must be two points (3,), not {camera}, {target}")
+        for scenery in ("Grid", "Axes"):
+            self._root[scenery].set_property("visible", False)
+        X_VF = np.eye(4)  # meshcat's camera always looks at its own origin
+        X_VF[:3, 3] -= target
+        self._scene.set_transform(X_VF)
+        x, y, z = away.tolist()
+        self._root["Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])  # y up
 
     def remove(self, name: str) -> None:
         """Remove what is shown under a name."""

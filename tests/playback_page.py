@@ -47,9 +47,9 @@ class PlaybackPage:
             ),
         )
 
-    def open(self, playback: Path) -> None:
+    def open(self, playback: Path, ready: str = _READY) -> None:
         self._page.goto(playback.resolve().as_uri())
-        self._page.wait_for_function(_READY)
+        self._page.wait_for_function(ready)
 
     @property
     def duration(self) -> float:

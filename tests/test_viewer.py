@@ -6,6 +6,7 @@ from pathlib import Path
 import mesh_shapes
 import numpy as np
 import pytest
+from playback_page import playback_page
 from poses import pose
 
 from contact_toolkit import CollisionMesh, ConvexPieces, witness_pairs
@@ -58,3 +59,23 @@ def test_bad_arguments_are_refused(viewer):
         viewer.show_sweep("sweep", mesh, np.eye(4), np.eye(4), steps=1)
     with pytest.raises(ValueError, match="X_FS"):
         viewer.show("A", mesh, 2 * np.eye(4))
+    with pytest.raises(ValueError, match="camera and target must be two points"):
+        viewer.look((1, 2, 3), (1, 2, 3))
+
+
+@pytest.mark.browser
+def test_a_browser_draws_what_is_looked_at(tmp_path):
+    """A part of millimetres that is a speck before the horizon, or out of the picture."""
+    ball, X_FB = CollisionMesh(*mesh_shapes.ball(2, radius=0.005)), pose(p=(1, 2, 3))
+    scene = tmp_path / "scene.html"
+    with Viewer() as viewer, playback_page(640, 480) as page:
+        viewer.show("ball", ball, X_FB, (1, 0, 0, 1))
+        viewer.look((1.01, 1.98, 3.01), X_FB[:3, 3])
+        scene.write_text(viewer.static_html())
+        page.open(scene, "() => typeof viewer !== 'undefined'")
+        r, g, b = np.moveaxis(page.pixels().astype(int), 2, 0)
+        assert page.complaints == []
+    rows, columns = np.nonzero(r > 2 * np.maximum(g, b))
+    np.testing.assert_allclose([rows.mean(), columns.mean()], [240, 320], atol=10)
+    # At 4.9 radii, in a field of view 75° high: a disc of a quarter of the height.
+    assert np.ptp(rows) == pytest.approx(480 * 0.2085 / np.tan(np.radians(37.5)), rel=0.1)
