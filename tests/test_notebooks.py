@@ -26,10 +26,12 @@ def test_notebook_and_script_are_the_same_program(path):
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs_without_warnings(path, tmp_path, monkeypatch):
-    outputs = outputs_of(execute(path, tmp_path, monkeypatch))
+    notebook = execute(path, tmp_path, monkeypatch)
+    outputs = outputs_of(notebook)
     said = "".join(output.text for output in outputs if output.get("name") == "stderr")
     assert "Warning" not in said
-    assert list((tmp_path / "runs").glob("*.html"))  # the playback shown inline
+    if any("IFrame" in cell.source for cell in notebook.cells):
+        assert list((tmp_path / "runs").glob("*.html"))  # the playback shown inline
     for table in (o.text for o in outputs if "closed form" in o.get("text", "")):
         rows = [[float(number) for number in line.split()] for line in table.splitlines()[1:]]
         assert len(rows) >= 5
@@ -41,4 +43,7 @@ def execute(path, folder, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     notebook = nbformat.read(path, as_version=4)
     where = {"metadata": {"path": folder}}
-    return NotebookClient(notebook, timeout=300, kernel_name="python3", resources=where).execute()
+    client = NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources=where, coalesce_streams=True
+    )
+    return client.execute()
