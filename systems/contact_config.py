@@ -1,5 +1,7 @@
 """Settings of contact, loadable with `pydrake.common.yaml.yaml_load_typed`.
 
+How to choose them, and what they cost: `notebooks/02_choosing_parameters.ipynb`.
+
 None stands for "not set": an override falls back on the `ContactConfig`, and that on the model's
 own proximity properties and then on Drake's defaults, as told beside each setting. Values are
 checked where they are used, by `AddNonlinearDamperContact`: the loader fills in fields late.
@@ -60,7 +62,8 @@ class ContactLawConfig:
         Area web: the signed distance field of the probed body, "smooth" (the default) or "exact".
     resolution
         Area web: spacing of the nodes, relative to the bounding box diagonal of the smaller
-        geometry, 0.02 unless set.
+        geometry, 0.02 unless set; four times closer along sharp edges. Time goes with the number of
+        nodes in contact.
     fillet
         Area web: radius [m] of the geometries' sharp edges, by which crossing edges bear load; none
         unless set.
