@@ -76,8 +76,8 @@ def bouncing(field: str) -> str:
     """By the order of integration that suits the field: 8 for a smooth one, 3 for jumps."""
     if field == "smooth":
         web = experiments.doughnut_on_cone(32, field=field)
-        return counted(*experiments.bouncing_drift(web, 3.6, tolerance=1e-8))
-    return in_drake(field, 3.6, 1e-7)
+        return counted(*experiments.bouncing_drift(web, 2.5, tolerance=1e-8))
+    return in_drake(field, 2.5, 1e-7)
 
 
 def in_drake(field: str, duration: float = 2.1, accuracy: float = 1e-6) -> str:
