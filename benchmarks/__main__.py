@@ -10,6 +10,7 @@ from benchmarks import (
     bin_of_parts,
     closest_points,
     contact_forces,
+    contact_in_drake,
     facet_kernel,
     growth,
     translation_sweep,
@@ -33,6 +34,7 @@ BENCHMARKS = {
         growth,
         facet_kernel,
         contact_forces,
+        contact_in_drake,
         bin_of_parts,
         two_threads,
     )

@@ -86,7 +86,9 @@ PARTS = {
 }
 
 
-def run(meeting: Meeting, alpha: float, friction: float) -> tuple[Testbed, Trajectory]:
+def run(
+    meeting: Meeting, alpha: float, friction: float, rtol: float = 1e-8
+) -> tuple[Testbed, Trajectory]:
     def pose(p, turn=0.0):
         X = np.eye(4)
         X[:3, :3] = Rotation.from_rotvec(turn * np.array([1.0, 0.6, 0.3])).as_matrix()
@@ -110,7 +112,7 @@ def run(meeting: Meeting, alpha: float, friction: float) -> tuple[Testbed, Traje
         resolution=0.1,
     )
     trajectory = testbed.run(
-        meeting.duration, method="RK45", rtol=1e-8, atol=1e-9, max_step=meeting.max_step
+        meeting.duration, method="RK45", rtol=rtol, atol=rtol / 10, max_step=meeting.max_step
     )
     return testbed, trajectory
 
@@ -149,7 +151,9 @@ def test_nothing_from_nothing(name, alpha, friction):
 def test_far_from_the_origin_is_as_near_it():
     """Rounding of positions 10 km away that shows in an impact."""
     far = MEETINGS["far from the origin"]
-    ends = [run(meeting, 0.5, 0.0)[1].V_FB[-1] for meeting in (far, replace(far, origin=0.0))]
+    # At 1e-8 the integrator's own choice of steps scatters the ends by 2e-6 m/s.
+    runs = [run(meeting, 0.5, 0.0, rtol=1e-10) for meeting in (far, replace(far, origin=0.0))]
+    ends = [trajectory.V_FB[-1] for _, trajectory in runs]
     assert_allclose(ends[0], ends[1], atol=1e-6)
 
 

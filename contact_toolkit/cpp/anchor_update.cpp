@@ -21,7 +21,7 @@ std::shared_ptr<const AnchorSet> UpdateAnchors(const Friction& friction, const S
   bool changed = old.size() != springs.size() || !before;
   if (changed) after.reserve(springs.size());
   for (std::size_t i = 0; i < springs.size(); ++i) {
-    const double load = Norm(springs.gradient_A[i]) * forces[i].normal;
+    const double load = springs.steepness[i] * forces[i].normal;
     const double stiffness = springs.stiffness[i];
     const Stretch& stretch = stretches[i];
     const double squared_pull =

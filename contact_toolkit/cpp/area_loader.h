@@ -125,15 +125,18 @@ class AreaWeb::Loader {
     springs_.energy[row] = share * elastic * deformation;
     springs_.stiffness[row] = K * node.weight;
     springs_.multiplicity[row] = 1;
-    const Vec3 foot = p - field.phi * Normalized(field.gradient);
+    const double steepness = Norm(field.gradient);
+    const Vec3 normal = (steepness > 0 ? 1 / steepness : 0.0) * field.gradient;
+    const Vec3 foot = p - field.phi * normal;
+    springs_.steepness[row] = steepness;
     if (web_.samples_a_) {
       springs_.p_AC[row] = springs_.p_ACa[row] = node.p;
       springs_.p_ACb[row] = X_AB_ * foot;
-      springs_.gradient_A[row] = X_AB_.R * field.gradient;
+      springs_.normal_A[row] = X_AB_.R * normal;
     } else {
       springs_.p_AC[row] = springs_.p_ACb[row] = p;
       springs_.p_ACa[row] = foot;
-      springs_.gradient_A[row] = -field.gradient;
+      springs_.normal_A[row] = -normal;
     }
   }
 

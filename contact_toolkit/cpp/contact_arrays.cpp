@@ -16,11 +16,11 @@ ContactArrays ListContacts(const Forces& forces) {
       list.p_FC.push_back(X_FA * springs.p_AC[s]);
       list.p_FCa.push_back(X_FA * springs.p_ACa[s]);
       list.p_FCb.push_back(X_FA * springs.p_ACb[s]);
-      list.normal_F.push_back(X_FA.R * Normalized(springs.gradient_A[s]));
+      list.normal_F.push_back(X_FA.R * springs.normal_A[s]);
       list.deformation.push_back(springs.deformation[s]);
       list.rate.push_back(force.rate);
       list.stiffness.push_back(springs.stiffness[s]);
-      list.normal_force.push_back(force.normal * Norm(springs.gradient_A[s]));
+      list.normal_force.push_back(force.normal * springs.steepness[s]);
       list.friction_force_F.push_back(X_FA.R * force.friction_A);
       list.multiplicity.push_back(springs.multiplicity[s]);
       list.anchored.push_back(force.anchored);

@@ -110,7 +110,8 @@ void AddRow(std::uint64_t key, double depth, double energy, double stiffness, co
   springs->energy.push_back(energy);
   springs->stiffness.push_back(stiffness);
   springs->p_AC.push_back(p);
-  springs->gradient_A.push_back(Normalized(force));
+  springs->normal_A.push_back(Normalized(force));
+  springs->steepness.push_back(1);
   springs->p_ACa.push_back(at.p_a);
   springs->p_ACb.push_back(at.p_b);
   springs->multiplicity.push_back(1);

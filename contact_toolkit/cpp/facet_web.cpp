@@ -99,7 +99,8 @@ void FacetWeb::Load(const WitnessPairs& pairs, SpringSet* springs) const {
     // the slope of the normal force at full deformation.
     springs->stiffness.push_back(k_ * weight * (n_ == 1 ? 1 : n_ * std::pow(standoff_, n_ - 1)));
     springs->p_AC.push_back(0.5 * (pairs.p_ACa[i] + pairs.p_ACb[i]));
-    springs->gradient_A.push_back(pairs.normal_A[i]);
+    springs->normal_A.push_back(pairs.normal_A[i]);
+    springs->steepness.push_back(1);
     springs->p_ACa.push_back(pairs.p_ACa[i]);
     springs->p_ACb.push_back(pairs.p_ACb[i]);
     springs->multiplicity.push_back(pairs.multiplicity[i]);

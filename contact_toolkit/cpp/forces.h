@@ -41,7 +41,7 @@ struct Energetics {
 
 struct SpringForce {
   double rate = 0;         // [m/s] of deformation
-  double normal = 0;       // [N] along gradient_A, on A
+  double normal = 0;       // [N] on A along normal_A, but for the spring's steepness
   Vec3 friction_A;         // [N] on A, in A
   bool anchored = false;   // held within the cone, or on it without having slipped
   bool moving_on = false;  // slips the way it is stretched: has neither stopped nor reversed

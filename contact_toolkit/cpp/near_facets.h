@@ -14,7 +14,7 @@ class NearFacets {
  public:
   // Appends the next point's facets. Where there are many nothing is kept.
   void Add(const Bvh& bvh, const Vec3& p, double motion) {
-    FindNearFacets(bvh, p, 2 * motion, &scratch_);
+    FindNearFacets(bvh, p, 2 * motion, scratch_.empty() ? -1 : scratch_[0].slot, &scratch_);
     if (scratch_.size() <= kMost) facets_.insert(facets_.end(), scratch_.begin(), scratch_.end());
     last_.push_back(static_cast<std::int32_t>(facets_.size()));
   }

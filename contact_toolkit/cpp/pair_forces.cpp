@@ -6,11 +6,11 @@
 namespace contact_toolkit {
 namespace {
 
-// One tangential spring and damper within its cone. `normal`: unit; `load`: the normal force.
+// One tangential spring and damper within its cone. `load`: the normal force; `slip`: the
+// tangential velocity.
 void ComputeFriction(const Friction& friction, double stiffness, double elastic, double load,
-                     const Vec3& normal, const Vec3& velocity, const Stretch& stretch,
-                     SpringForce* force, Energetics* energetics) {
-  const Vec3 slip = velocity - Dot(velocity, normal) * normal;
+                     const Vec3& slip, const Stretch& stretch, SpringForce* force,
+                     Energetics* energetics) {
   const Vec3& stretch_A = stretch.stretch_A;
   const double along = Dot(slip, stretch_A);
   const double squared_length = SquaredNorm(stretch_A);
@@ -47,25 +47,24 @@ PairForce ComputePairForce(const ContactLaw& law, const Friction& friction,
   PairForce total;
   for (std::size_t i = 0; i < springs.size(); ++i) {
     const Vec3& p_AC = springs.p_AC[i];
-    const Vec3& gradient_A = springs.gradient_A[i];
+    const Vec3& normal_A = springs.normal_A[i];
+    const double steepness = springs.steepness[i], elastic = springs.elastic[i];
     const Vec3 velocity = VelocityAt(V_A, p_AC);
-    const double rate = -Dot(gradient_A, velocity);
-    const double elastic = springs.elastic[i];
+    const double approach = -Dot(normal_A, velocity);
     SpringForce& spring = forces[i];
-    spring.rate = rate;
-    spring.normal = law.NormalForce(elastic, rate);
+    spring.rate = steepness * approach;
+    spring.normal = law.NormalForce(elastic, spring.rate);
     total.energetics.stored_normal += springs.energy[i];
-    total.energetics.damping_power += (spring.normal - elastic) * rate;
-    const double steepness = friction.active() ? Norm(gradient_A) : 0.0;
-    if (steepness > 0) {
-      ComputeFriction(friction, springs.stiffness[i], elastic, steepness * spring.normal,
-                      (1 / steepness) * gradient_A, velocity,
+    total.energetics.damping_power += (spring.normal - elastic) * spring.rate;
+    const double load = steepness * spring.normal;
+    if (friction.active() && steepness > 0) {
+      ComputeFriction(friction, springs.stiffness[i], elastic, load, velocity + approach * normal_A,
                       friction.anchored() ? stretches[i] : kNew, &spring, &total.energetics);
     } else {
       spring.friction_A = {};
       spring.anchored = spring.moving_on = false;
     }
-    const Vec3 force = spring.normal * gradient_A + spring.friction_A;
+    const Vec3 force = load * normal_A + spring.friction_A;
     total.force += force;
     total.torque += Cross(p_AC, force);
   }

@@ -212,11 +212,14 @@ ClosestPoint FindClosestPoint(const Bvh& bvh, const Vec3& p, double squared_boun
   return search.Take();
 }
 
-void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::vector<NearFacet>* facets) {
+void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::int32_t hint_slot,
+                    std::vector<NearFacet>* facets) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const ClosestPoint closest = FindClosestPoint(bvh, p, kInfinity, hint_slot);
+  const double reach = std::sqrt(closest.squared_distance) + margin;
   facets->clear();
-  const double reach = std::sqrt(FindClosestPoint(bvh, p).squared_distance) + margin;
   Search(bvh, p, reach * reach).ForEachNear([&](std::int32_t slot) {
-    Search alone(bvh, p, std::numeric_limits<double>::infinity());
+    Search alone(bvh, p, kInfinity);
     alone.Try(slot);
     const double distance = std::sqrt(alone.Take().squared_distance);
     if (distance > reach) return;

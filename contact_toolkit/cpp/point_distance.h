@@ -35,8 +35,9 @@ struct NearFacet {
 };
 
 // Replaces what `facets` held by the facets no more than `margin` [m] farther away than the closest
-// one, nearest first.
-void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::vector<NearFacet>* facets);
+// one, nearest first. The hint is as for FindClosestPoint().
+void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::int32_t hint_slot,
+                    std::vector<NearFacet>* facets);
 
 // What FindClosestPoint() finds, when the closest facets are among those given, nearest first, and
 // none has come closer to p than its distance less `motion` [m].

@@ -9,7 +9,8 @@ void SpringSet::Resize(std::size_t rows) {
   energy.resize(rows);
   stiffness.resize(rows);
   p_AC.resize(rows);
-  gradient_A.resize(rows);
+  normal_A.resize(rows);
+  steepness.resize(rows);
   p_ACa.resize(rows);
   p_ACb.resize(rows);
   multiplicity.resize(rows);

@@ -10,9 +10,10 @@
 
 namespace contact_toolkit {
 
-// The force of B on A by spring i at rest is elastic[i] * gradient_A[i], at point p_AC[i]; with
-// v the velocity of A relative to B at that point, the deformation rate is -gradient_A · v and the
-// normal force is elastic * (1 + 3/2 alpha * rate), clamped at zero unless adhesive.
+// The gradient of the deformation of spring i, by the position of A, is -steepness[i] normal_A[i].
+// So the force of B on A at rest is elastic[i] * steepness[i] * normal_A[i], at point p_AC[i]; with
+// v the velocity of A relative to B at that point, the deformation rate is -steepness normal_A · v
+// and the normal force is elastic * (1 + 3/2 alpha * rate), clamped at zero unless adhesive.
 struct SpringSet {
   std::vector<std::uint64_t>
       key;  // identity between steps: feature pair (facet web), node (area web)
@@ -21,7 +22,8 @@ struct SpringSet {
   std::vector<double> energy;       // [J] stored
   std::vector<double> stiffness;    // [N/m] k w: what the tangential stiffness is a ratio of
   std::vector<Vec3> p_AC;           // point of application (midpoint of the witness points)
-  std::vector<Vec3> gradient_A;     // from B towards A; unit in the facet web
+  std::vector<Vec3> normal_A;       // unit, from B towards A
+  std::vector<double> steepness;    // [-] 1 in the facet web
   std::vector<Vec3> p_ACa, p_ACb;   // witness points on the two surfaces (for output and pictures)
   std::vector<std::int32_t> multiplicity;  // facet pairs behind the spring; 1 for area nodes
   int status = 0;                          // of the pair: see ContactStatus

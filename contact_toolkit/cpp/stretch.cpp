@@ -44,7 +44,7 @@ void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X
     next = row.anchor + 1;
     const Anchor& anchor = anchors->anchors()[row.anchor];
     row.sliding = anchor.sliding;
-    row.stretch_A = StretchOf(anchor, X_AB, Normalized(springs.gradient_A[i]));
+    row.stretch_A = StretchOf(anchor, X_AB, springs.normal_A[i]);
     kept[row.anchor] = std::min(springs.stiffness[i], anchor.stiffness);
     if (springs.stiffness[i] > anchor.stiffness) grown.push_back(i);
   }
@@ -55,7 +55,7 @@ void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X
   if (anchors && web.CarriesStretch()) exchange.emplace(web, *anchors, kept);
   for (const std::size_t i : grown) {
     Stretch& row = stretches[i];
-    const Vec3 normal = Normalized(springs.gradient_A[i]);
+    const Vec3& normal = springs.normal_A[i];
     const double owned = row.anchor >= 0 ? kept[row.anchor] : 0.0;
     double missing = springs.stiffness[i] - owned;
     Vec3 sum = owned * row.stretch_A;

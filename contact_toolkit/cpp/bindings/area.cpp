@@ -16,6 +16,10 @@ nb::dict Find(const AreaWeb& web, PoseIn X_AB) {
     const nb::gil_scoped_release release;
     web.FindSprings(Pose::FromMatrix(X_AB.data()), &springs);
   }
+  std::vector<Vec3> gradient_A(springs.size());
+  for (std::size_t i = 0; i < springs.size(); ++i) {
+    gradient_A[i] = springs.steepness[i] * springs.normal_A[i];
+  }
   nb::dict rows;
   rows["key"] = ToNumpy<std::uint64_t>(std::move(springs.key));
   rows["deformation"] = ToNumpy(std::move(springs.deformation));
@@ -23,7 +27,7 @@ nb::dict Find(const AreaWeb& web, PoseIn X_AB) {
   rows["energy"] = ToNumpy(std::move(springs.energy));
   rows["stiffness"] = ToNumpy(std::move(springs.stiffness));
   rows["p_AC"] = ToNumpy(std::move(springs.p_AC));
-  rows["gradient_A"] = ToNumpy(std::move(springs.gradient_A));
+  rows["gradient_A"] = ToNumpy(std::move(gradient_A));
   rows["p_ACa"] = ToNumpy(std::move(springs.p_ACa));
   rows["p_ACb"] = ToNumpy(std::move(springs.p_ACb));
   rows["status"] = springs.status;
