@@ -142,11 +142,13 @@ class Viewer:
         """Look from a point (3,) at another, in F [m]; hide the grid and axes, which are metres."""
         away = np.asarray(camera, np.float64) - np.asarray(target, np.float64)
         if away.shape != (3,) or not (np.isfinite(away).all() and away.any()):
-            raise ValueError(f"camera and target must be two points (3,), not {camera}, {target}")
+            raise ValueError(
+                f"camera and target must be two points (3,), not {camera!r}, {target!r}"
+            )
         for scenery in ("Grid", "Axes"):
             self._root[scenery].set_property("visible", False)
         X_VF = np.eye(4)  # meshcat's camera always looks at its own origin
-        X_VF[:3, 3] -= target
+        X_VF[:3, 3] = -np.asarray(target, np.float64)
         self._scene.set_transform(X_VF)
         x, y, z = away.tolist()
         self._root["Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])  # y up

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import warnings
 import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -59,6 +60,18 @@ def _mistakes_in(wanted: str) -> Iterator[None]:
         raise ScenarioError(f"{wanted}: {error}") from error
 
 
+@contextmanager
+def _warnings_in_one_line() -> Iterator[None]:
+    """Print warnings at the end, without the lines of code that gave them."""
+    with warnings.catch_warnings(record=True) as told:
+        try:
+            yield
+        finally:
+            for warning in told:
+                line = Text.assemble(("warning:", "yellow"), f" {warning.message}")
+                console.print(line, soft_wrap=True)
+
+
 def _complain(message: str) -> None:
     # As Text: in markup, units in brackets would be taken for styles.
     line = Text.assemble(("error:", "red"), f" {message}")
@@ -101,7 +114,7 @@ def run(
             name, scenario = load(wanted, overrides or ())
             folder = (out / name if everything else out) if out else Path("runs") / name
             try:
-                with _mistakes_in(wanted):
+                with _mistakes_in(wanted), _warnings_in_one_line():
                     summary = run_with_progress(console, name, scenario, folder, live=meshcat)
             except RuntimeError as error:  # of the simulation: its step table, or Drake
                 _complain(f"{wanted}: {error}; what was recorded until then is in {folder}")
@@ -121,7 +134,7 @@ def play(name_or_file: Name, overrides: Overrides = None) -> None:
 
     with _mistakes_without_traceback(), tempfile.TemporaryDirectory() as folder:
         name, scenario = load(name_or_file, overrides or ())
-        with _mistakes_in(name_or_file):
+        with _mistakes_in(name_or_file), _warnings_in_one_line():
             play_live(console, name, scenario, Path(folder))
 
 

@@ -36,7 +36,9 @@ def summary_tables(summary: Summary) -> list[Table | Text]:
         table.add_row(Text(name), _number(value), check.limit if check else "", mark)
     table.add_section()
     table.add_row(Text("simulated time [s]"), _number(summary.simulated_time))
-    table.add_row("force evaluations", _number(summary.force_evaluations))
+    table.add_row("steps", _number(summary.steps))
+    if summary.force_evaluations:  # an integrator's: a discrete plant has none
+        table.add_row("force evaluations", _number(summary.force_evaluations))
     table.add_row("real-time factor", f"{summary.real_time_factor:.2f}")
     colour = _COLOURS.get(summary.verdict, "yellow")
     table.add_row("acceptance", f"[bold {colour}]{summary.verdict}[/]")

@@ -40,7 +40,10 @@ def choose_geometry_pairs(
     if not pairs:
         chosen = [pair for ab in combinations(geometries, 2) for pair in unfiltered(*ab)]
         if not chosen:
-            raise ValueError("no two collision geometries of the plant may touch")
+            raise ValueError(
+                "no two collision geometries of the plant may touch: register some on two bodies, "
+                "or look at the collision filters"
+            )
         return chosen
     wanted: dict[tuple[BodyIndex, BodyIndex], list[GeometryPair]] = {}
     for i, names in enumerate(pairs):

@@ -1,6 +1,7 @@
 """The command line, as a user calls it."""
 
 import re
+import warnings
 
 import pytest
 from typer.testing import CliRunner
@@ -72,6 +73,19 @@ def test_run_prints_the_table_the_verdict_and_the_playback(call, tmp_path):
     reported = call("report", "there")
     assert re.search(r"acceptance\W+failed", reported)
     assert (tmp_path / "there" / "figures" / "springs.png").is_file()
+
+
+def test_warnings_of_a_simulation_are_one_line_each(call, tmp_path, recwarn):
+    (tmp_path / "drop.yaml").write_text(DROP)
+    settings = ("plant_config.time_step=0.001", "contact.k=3e4", "acceptance.limits={}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        output = call("run", "drop.yaml", *(f for s in settings for f in ("--set", s)))
+    assert re.search(
+        r"^warning: the discrete plant's time step of 0.001 s is 0\.\d", output, re.MULTILINE
+    )
+    assert "contact_watch.py" not in output
+    assert not recwarn
 
 
 def test_a_simulation_that_stops_says_why_and_where_its_record_is(call, tmp_path):
