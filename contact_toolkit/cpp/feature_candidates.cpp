@@ -96,22 +96,26 @@ FeatureCandidates::FeatureCandidates(const PosedPair& pair, const FacetCandidate
 
 void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& candidates,
                                 std::span<const std::int32_t> changed) {
+  thread_local Column<std::int32_t> again, rest;
+  again.clear(), rest.clear();
   for (std::int32_t k : changed) {
-    if (place_[k] != kNowhere) Disband(group_at_[place_[k]]);
+    if (place_[k] != kNowhere) Disband(group_at_[place_[k]], &again);
   }
-  std::sort(loners_.begin(), loners_.end());
-  thread_local Column<std::int32_t> rest;
-  rest.clear();
+  std::sort(again.begin(), again.end());
   std::ranges::set_difference(loners_, changed, std::back_inserter(rest));
   std::swap(loners_, rest);
+  rest.clear();
+  std::ranges::set_union(again, changed, std::back_inserter(rest));
   const std::size_t first_group = groups_.size(), first_block = blocks_.size();
-  FormGroups(pair, candidates, changed);
+  const auto loners = static_cast<std::ptrdiff_t>(loners_.size());
+  FormGroups(pair, candidates, rest);
   PackGroups(pair, candidates, first_group);
+  std::sort(loners_.begin() + loners, loners_.end());
+  MergeHalves(&loners_, loners, std::less());
   thread_local Column<FeatureWitness> witnesses;
   for (std::int32_t uncertain : PlaceWitnesses(pair, first_block, kInfinity, &witnesses)) {
-    Disband(uncertain);
+    groups_[uncertain].doubtful = true;
   }
-  std::sort(loners_.begin(), loners_.end());
   std::erase_if(order_, [this](std::int32_t g) { return groups_[g].place == kNowhere; });
   const auto ordered = static_cast<std::ptrdiff_t>(order_.size());
   for (std::size_t g = first_group; g < groups_.size(); ++g) {
@@ -141,7 +145,7 @@ void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates&
     std::int32_t* known = table.Find(features.key());
     if (*known < 0) {
       *known = static_cast<std::int32_t>(groups_.size());
-      groups_.push_back({features, k, 0, 0, kNowhere});
+      groups_.push_back({features, k, 0, 0, kNowhere, false});
     }
     group[i] = *known;
     ++groups_[*known].count;
@@ -226,13 +230,18 @@ void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
   blocks_.push_back(block);
 }
 
-void FeatureCandidates::Disband(std::int32_t index) {
+void FeatureCandidates::Disband(std::int32_t index, Column<std::int32_t>* members) {
   Group& group = groups_[index];
   for (std::int32_t member : Members(group)) {
-    loners_.push_back(member);
+    members->push_back(member);
     place_[member] = kNowhere;
   }
   group_at_[group.place] = -1;
+  const std::int32_t block = (group.place - 1) / kBvhWidth;
+  const auto first = group_at_.begin() + 1 + kBvhWidth * block;
+  if (std::all_of(first, first + kBvhWidth, [](std::int32_t g) { return g < 0; })) {
+    blocks_[block].nearest = kInfinity;
+  }
   group.place = kNowhere;
 }
 
@@ -247,12 +256,15 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
   };
   keep_near(loners_);
   const auto loners = static_cast<std::ptrdiff_t>(alone->size());
+  std::size_t changed = 0;
   for (std::int32_t group : PlaceWitnesses(pair, 0, near, witnesses)) {
+    const std::size_t before = alone->size();
     keep_near(Members(groups_[group]));
+    if (!groups_[group].doubtful) changed += alone->size() - before;
   }
   std::sort(alone->begin() + loners, alone->end());
   MergeHalves(alone, loners, std::less());
-  return alone->size() - loners;
+  return changed;
 }
 
 const Column<std::int32_t>& FeatureCandidates::PlaceWitnesses(

@@ -36,20 +36,17 @@ class FeatureCandidates {
     std::int32_t count;         // of candidates
     std::int32_t first_member;  // index into members_
     std::int32_t place;         // where Measure leaves its witness, if it does
+    bool doubtful;              // uncertain already at the pose it was formed at
   };
 
   FeatureCandidates(const PosedPair& pair, const FacetCandidates& candidates);
 
-  // Takes note that the features of the `changed` candidates, in order, are others now. Those whose
-  // features leave something uncertain at this pose are to be measured one by one from now on.
+  // Takes note that the features of the `changed` candidates, in order, are others at this pose.
   void Regroup(const PosedPair& pair, const FacetCandidates& candidates,
                std::span<const std::int32_t> changed);
 
   // Whether regrouping has left so much behind that forming all groups anew is better.
-  bool Sparse() const { return groups_.size() > 2 * order_.size() + kWindow; }
-
-  // Whether a candidate is in no group.
-  bool Alone(std::int32_t candidate) const { return place_[candidate] == kNowhere; }
+  bool Sparse() const { return groups_.size() > 4 * static_cast<std::size_t>(formed_) + kWindow; }
 
   const Group& group(std::int32_t index) const { return groups_[index]; }
 
@@ -64,8 +61,8 @@ class FeatureCandidates {
 
   // Places the closest points of the groups that were `near` [m] where they were gathered. Where
   // they are too far or uncertain at this pose the distance is infinite. `alone` are, in order, the
-  // near candidates to be measured one by one instead. Returns how many of them had certain
-  // features where they were gathered.
+  // near candidates to be measured one by one instead. Returns how many of them were
+  // certain at the pose their group was formed at.
   std::size_t Measure(const PosedPair& pair, const FacetCandidates& candidates, double near,
                       Column<FeatureWitness>* witnesses, Column<std::int32_t>* alone) const;
 
@@ -80,7 +77,7 @@ class FeatureCandidates {
                   std::span<const std::int32_t> members);
   void PackGroups(const PosedPair& pair, const FacetCandidates& candidates, std::size_t first);
   void PackBlock(std::span<Sides* const> lanes, const FacetCandidates& candidates);
-  void Disband(std::int32_t group);
+  void Disband(std::int32_t group, Column<std::int32_t>* members);
 
   // The place of what has no witness: its distance is infinite.
   static constexpr std::int32_t kNowhere = 0;

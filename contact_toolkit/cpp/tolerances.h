@@ -59,10 +59,12 @@ inline constexpr double kTinyFacet = 1e-7;
 // changed features: some steps later that has cost as much as gathering anew.
 inline constexpr double kWorn = 0.25;
 
-// [-] Features are learnt anew when this many times as many pairs have been measured one by one as
-// in the last query: about what learning costs. But not for a few.
-inline constexpr int kLearning = 3;
+// [-] Features are learnt anew when this many times as many pairs have been measured as in the last
+// query, because of changed features: about what learning costs. But not for a few.
+inline constexpr int kLearning = 2;
 inline constexpr int kWorthLearning = 100;
+// Where it has been in vain so many times in a row, learning is put off no longer than that.
+inline constexpr int kMostInVain = 8;
 
 // [-] Candidates are worth gathering when the slack is at least this many times the last motion:
 // that many queries make up for what gathering costs beyond a query from scratch.

@@ -79,18 +79,29 @@ bool WitnessCandidates::Worn(const Pose& X_AB, double standoff) const {
   return changed > kWorn * static_cast<double>(size());
 }
 
-std::size_t WitnessCandidates::Learn(const Pose& X_AB, const MeasuredRows& measured) {
+void WitnessCandidates::Learn(const Pose& X_AB, const MeasuredRows& measured) {
+  thread_local Column<std::int32_t> changed;
+  changed.clear();
   for (std::size_t i = 0; i < measured.measured.size(); ++i) {
-    candidates_.features[measured.measured[i]] = measured.features[i];
+    const std::int32_t k = measured.measured[i];
+    if (candidates_.features[k].key() == measured.features[i].key()) continue;
+    candidates_.features[k] = measured.features[i];
+    changed.push_back(k);
   }
   const PosedPair pair(A_, B_, X_AB);
   if (features_.Sparse()) {
     features_ = FeatureCandidates(pair, candidates_);
   } else {
-    features_.Regroup(pair, candidates_, measured.measured);
+    features_.Regroup(pair, candidates_, changed);
   }
-  return std::ranges::count_if(measured.measured,
-                               [this](std::int32_t k) { return features_.Alone(k); });
+}
+
+std::size_t WitnessCandidates::Changed(const MeasuredRows& measured) const {
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < measured.measured.size(); ++i) {
+    changed += candidates_.features[measured.measured[i]].key() != measured.features[i].key();
+  }
+  return changed;
 }
 
 WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
@@ -122,17 +133,26 @@ void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessP
     }
     candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, slack);
     ++gathered_;
-    toil_ = 0, patience_ = 1;
+    toil_ = learnt_ = 0, in_vain_ = 0;
   }
   candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs, &measured_);
-  toil_ += measured_.measured.size();
-  if (toil_ >=
-      kLearning * patience_ * std::max<std::size_t>(measured_.measured.size(), kWorthLearning)) {
-    // Where it was in vain, as on faces that stay parallel, the next time is put off.
-    patience_ =
-        2 * candidates_->Learn(X_AB, measured_) < measured_.measured.size() ? 1 : 2 * patience_;
-    toil_ = 0;
+  LearnIfWorthwhile(X_AB);
+}
+
+void WitnessCache::LearnIfWorthwhile(const Pose& X_AB) {
+  const std::size_t changed = candidates_->Changed(measured_);
+  if (learnt_ > 0) {
+    // Where it is in vain time and again, as on parallel faces, whose features rounding decides, it
+    // is done less and less.
+    in_vain_ = 2 * changed > learnt_ ? std::min(in_vain_ + 1, kMostInVain) : 0;
+    learnt_ = 0;
   }
+  toil_ += changed;
+  const std::size_t patience = std::size_t{1} << std::max(0, in_vain_ - 1);
+  if (toil_ < kLearning * patience * std::max<std::size_t>(changed, kWorthLearning)) return;
+  candidates_->Learn(X_AB, measured_);
+  learnt_ = changed;
+  toil_ = 0;
 }
 
 }  // namespace contact_toolkit

@@ -39,9 +39,11 @@ class WitnessCandidates {
   // features, that gathering anew is the cheaper way on. Call only where covered.
   bool Worn(const Pose& X_AB, double standoff) const;
 
-  // Remembers the features that were found where these pairs were measured. Returns how many of
-  // them are not certain there even so.
-  std::size_t Learn(const Pose& X_AB, const MeasuredRows& measured);
+  // How many of the measured pairs were found on other features than are remembered.
+  std::size_t Changed(const MeasuredRows& measured) const;
+
+  // Remembers what was found instead.
+  void Learn(const Pose& X_AB, const MeasuredRows& measured);
 
   std::size_t size() const { return candidates_.size(); }
 
@@ -77,6 +79,7 @@ class WitnessCache {
  private:
   double SlackAt(double standoff) const;
   void Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs);
+  void LearnIfWorthwhile(const Pose& X_AB);
 
   std::shared_ptr<const CollisionMesh> A_, B_;
   double slack_;
@@ -84,8 +87,9 @@ class WitnessCache {
   std::optional<Pose> last_X_AB_;
   double last_standoff_ = 0;
   MeasuredRows measured_;
-  std::size_t toil_ = 0;      // pairs measured since features were last learnt
-  std::size_t patience_ = 1;  // how many times the candidates' number before they are again
+  std::size_t toil_ = 0;    // pairs measured for changed features since these were last learnt
+  std::size_t learnt_ = 0;  // how many were, by the last query
+  int in_vain_ = 0;         // how many times in a row that was no use
   int gathered_ = 0;
 };
 
