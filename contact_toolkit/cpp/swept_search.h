@@ -74,31 +74,39 @@ class SweptSearch {
 
   void Open(const Item& item) {
     const BvhNode &a = a_.nodes[item.a], &b = b_.nodes[item.b];
+    const SweptCull& cull = CullOf(item.slice);
+    const double reach = query_.squared_reach(slices_[item.slice]);
     alignas(32) float bound[kBvhWidth * kBvhWidth];
-    const float furthest = kernels_.box_bounds(a, b, CullOf(item.slice), bound);
+    std::uint64_t near;
+    const float furthest = kernels_.box_bounds(a, b, cull, static_cast<float>(reach), bound, &near);
     if (split_time_ && IsLong(item, furthest, std::max(LargestHalf(a), LargestHalf(b)))) {
       const int first = slices_.Halves(item.slice);
       stack_.push_back({item.squared_bound, item.a, item.b, first + 1});
       stack_.push_back({item.squared_bound, item.a, item.b, first});
-    } else if (CullOf(item.slice).coarse) {
+    } else if (cull.coarse) {
       double fine[kBvhWidth * kBvhWidth] = {};
+      near = 0;
       for (int j = 0; j < b.count; ++j) {
         for (int k = 0; k < a.count; ++k) {
-          fine[8 * j + k] = CullOf(item.slice).SquaredBound(a, k, b, j);
+          fine[8 * j + k] = cull.SquaredBound(a, k, b, j);
+          near |= std::uint64_t{fine[8 * j + k] <= reach} << (8 * j + k);
         }
       }
-      VisitOrDescend(item, a, b, fine);
+      VisitOrDescend(item, a, b, fine, near);
     } else {
-      VisitOrDescend(item, a, b, bound);
+      VisitOrDescend(item, a, b, bound, near);
     }
   }
 
+  // near: bit 8 j + k is set where child k of a may be within reach of child j of b.
   template <typename Bound>
-  void VisitOrDescend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
+  void VisitOrDescend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound,
+                      std::uint64_t near) {
+    if (near == 0) return;
     if (a.bottom() && b.bottom()) {
-      Visit(item, a, b, bound);
+      Visit(item, a, b, bound, near);
     } else {
-      Descend(item, a, b, bound);
+      Descend(item, a, b, bound, near);
     }
   }
 
@@ -110,8 +118,8 @@ class SweptSearch {
   }
 
   template <typename Bound>
-  void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
-    const double reach = query_.squared_reach(slices_[item.slice]);
+  void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound,
+               std::uint64_t near) {
     alignas(32) float order[kBvhWidth * kBvhWidth];
     query_.Order(a, b, bound, order);
     struct Next {
@@ -121,7 +129,7 @@ class SweptSearch {
     Next next[kBvhWidth * kBvhWidth];
     int count = 0;
     const auto add = [&](Bound least, float first, std::int32_t next_a, std::int32_t next_b) {
-      if (least <= reach) next[count++] = {first, {least, next_a, next_b, item.slice}};
+      next[count++] = {first, {least, next_a, next_b, item.slice}};
     };
     // A bottom node stays while the other side descends.
     if (a.bottom()) {
@@ -129,7 +137,7 @@ class SweptSearch {
         const auto least = [&](const auto* row) {
           return *std::min_element(row + 8 * j, row + 8 * j + a.count);
         };
-        add(least(bound), least(order), item.a, b.child[j]);
+        if ((near >> (8 * j) & 0xff) != 0) add(least(bound), least(order), item.a, b.child[j]);
       }
     } else if (b.bottom()) {
       for (int k = 0; k < a.count; ++k) {
@@ -138,13 +146,14 @@ class SweptSearch {
           for (int j = 1; j < b.count; ++j) least = std::min(least, column[8 * j + k]);
           return least;
         };
-        add(least(bound), least(order), a.child[k], item.b);
+        if ((near >> k & 0x0101010101010101) != 0) {
+          add(least(bound), least(order), a.child[k], item.b);
+        }
       }
     } else {
-      for (int j = 0; j < b.count; ++j) {
-        for (int k = 0; k < a.count; ++k) {
-          add(bound[8 * j + k], order[8 * j + k], a.child[k], b.child[j]);
-        }
+      for (; near != 0; near &= near - 1) {
+        const int bit = __builtin_ctzll(near);
+        add(bound[bit], order[bit], a.child[bit % kBvhWidth], b.child[bit / kBvhWidth]);
       }
     }
     std::sort(next, next + count, [](const Next& x, const Next& y) { return x.order < y.order; });
@@ -153,23 +162,18 @@ class SweptSearch {
   }
 
   template <typename Bound>
-  void Visit(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound) {
-    const TimeSlice slice = slices_[item.slice];
-    const double reach = query_.squared_reach(slice);
-    std::uint64_t bits = 0;
-    for (int j = 0; j < b.count; ++j) {
-      for (int k = 0; k < a.count; ++k) {
-        bits |= std::uint64_t{bound[8 * j + k] <= reach} << (8 * j + k);
-      }
-    }
-    if (facets_ && bits != 0) {
+  void Visit(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound,
+             std::uint64_t bits) {
+    const TimeSlice& slice = slices_[item.slice];
+    if (facets_) {
       const Vec3 n = query_.direction();
       const float direction[3]{static_cast<float>(n.x), static_cast<float>(n.y),
                                static_cast<float>(n.z)};
+      const double reach = std::sqrt(query_.squared_reach(slice));
       bits = kernels_.cull_facets(a_.blocks[a.block], b_.blocks[b.block], CullOf(item.slice),
-                                  direction, static_cast<float>(std::sqrt(reach)), bits);
+                                  direction, static_cast<float>(reach), bits);
+      if (bits == 0) return;
     }
-    if (bits == 0) return;
     LeafPairs pairs;
     for (; bits != 0; bits &= bits - 1) {
       const int lanes = __builtin_ctzll(bits);

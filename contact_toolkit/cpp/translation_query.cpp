@@ -54,17 +54,16 @@ void TranslationQuery::Aim() {
   aimed_at_ = best_.distance;
   const Bvh &a = A_.bvh(), &b = B_.bvh();
   const Pose start = motion_.At(0);
-  const Vec3 line = Normalized(best_.p_ACa - best_.p_ACb);
-  const Vec3 line_B = -(Transpose(start.R) * line);
-  const float n[3]{static_cast<float>(line.x), static_cast<float>(line.y),
-                   static_cast<float>(line.z)};
+  const Vec3 line_B = -(Transpose(start.R) * line_);
+  const float n[3]{static_cast<float>(line_.x), static_cast<float>(line_.y),
+                   static_cast<float>(line_.z)};
   const float n_B[3]{static_cast<float>(line_B.x), static_cast<float>(line_B.y),
                      static_cast<float>(line_B.z)};
   Extents(0).Start(a, n);
   Extents(1).Start(b, n_B);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion_.translation();
   const double slack = kCullingSlack * (a.size + b.size + std::max(Norm(begin), Norm(end)));
-  offset_ = static_cast<float>(std::max(Dot(line, begin), Dot(line, end)) + slack);
+  offset_ = static_cast<float>(std::max(Dot(line_, begin), Dot(line_, end)) + slack);
 }
 
 const PosedPair& TranslationQuery::Posed() {
@@ -129,11 +128,13 @@ void TranslationQuery::CullPrisms() {
   const double rounding = std::min(kTouching * start_->size, 0.5 * best_.distance);
   const Vec3& t = motion_.translation();
   const double way[3]{t.x, t.y, t.z};
+  const double line[3]{line_.x, line_.y, line_.z};
   kernels_.cull_prisms(A_.bvh().slot_coordinates.data(), B_.bvh().slot_coordinates.data(),
-                       start_->matrix, way, best_.distance - rounding, &chunk_);
+                       start_->matrix, way, line, best_.distance - rounding, &chunk_);
   int kept = 0;
   for (int i = 0; i < chunk_.count; ++i) {
-    if (chunk_.distance[i] > 0) continue;
+    if (chunk_.distance[i] < 0) continue;
+    estimate_[kept] = chunk_.distance[i];
     chunk_.slot_a[kept] = chunk_.slot_a[i];
     chunk_.slot_b[kept++] = chunk_.slot_b[i];
   }
@@ -142,6 +143,7 @@ void TranslationQuery::CullPrisms() {
 
 void TranslationQuery::MeasurePosed() {
   if (chunk_.count == 0) return;
+  const bool first = best_.index_a < 0;  // then no estimates
   MeasureFacetPairs(Posed(), &chunk_);
   const auto least = std::min_element(chunk_.distance, chunk_.distance + chunk_.count);
   if (*least < best_.distance) {
@@ -150,21 +152,20 @@ void TranslationQuery::MeasurePosed() {
     best_.distance = witness.distance;
     best_.p_ACa = witness.p_ACa, best_.p_ACb = witness.p_ACb;
     best_.index_a = A_.index(chunk_.slot_a[i]), best_.index_b = B_.index(chunk_.slot_b[i]);
-    direction_ = witness.normal_A;
+    direction_ = line_ = witness.normal_A;
   }
   struct Left {
-    double bound;
+    double estimate;
     std::int32_t slot_a, slot_b;
   };
   std::array<Left, FacetPairs::kCapacity> left;
   int kept = 0;
   for (int i = 0; i < chunk_.count; ++i) {
-    const double bound = LowerBound(i);
-    if (bound > best_.distance) continue;
-    left[kept++] = {bound, chunk_.slot_a[i], chunk_.slot_b[i]};
+    if (LowerBound(i) > best_.distance) continue;
+    left[kept++] = {first ? chunk_.distance[i] : estimate_[i], chunk_.slot_a[i], chunk_.slot_b[i]};
   }
   std::sort(left.begin(), left.begin() + kept,
-            [](const Left& x, const Left& y) { return x.bound > y.bound; });
+            [](const Left& x, const Left& y) { return x.estimate > y.estimate; });
   for (int i = 0; i < kept; ++i)
     chunk_.slot_a[i] = left[i].slot_a, chunk_.slot_b[i] = left[i].slot_b;
   chunk_.count = kept;
@@ -201,6 +202,7 @@ void TranslationQuery::MeasureSwept(int slot_a, int slot_b) {
   best_.distance = gjk.distance;
   best_.time = std::min(time, 1.0);
   best_.p_ACa = gjk.p_A, best_.p_ACb = gjk.p_B;
+  line_ = gjk.normal;
   best_.index_a = A_.index(slot_a), best_.index_b = B_.index(slot_b);
 }
 

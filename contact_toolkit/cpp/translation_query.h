@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -59,14 +60,16 @@ class TranslationQuery {
   const Motion& motion_;
   const bool meshes_;
   std::vector<Vec3> swept_;
-  Vec3 direction_;
-  double lowest_;  // of the pairs that GJK gave up on
+  Vec3 direction_;  // in which the last pair was separated
+  Vec3 line_;       // of the closest points so far
+  double lowest_;   // of the pairs that GJK gave up on
   SweptDistance best_;
   std::optional<PosedPair> start_, posed_;  // of meshes
   double posed_time_ = -1;
   const SweptKernels& kernels_ = ActiveSweptKernels();
   FacetPairs chunk_;
-  double aimed_at_;   // [m] best distance when last aimed
+  std::array<double, FacetPairs::kCapacity> estimate_;  // [m] of the chunk's swept distances
+  double aimed_at_;                                     // [m] best distance when last aimed
   float offset_ = 0;  // [m] of B's origin over the whole way, and slack
 };
 

@@ -59,7 +59,10 @@ CT_INLINE void Turn(const Float8 (&c)[3], const Float8 (&h)[3], int count, const
   }
 }
 
-float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float bound[64]) {
+float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float squared_reach,
+                     float bound[64], std::uint64_t* near) {
+  const std::uint64_t used = (std::uint64_t{1} << a.count) - 1;
+  *near = 0;
   const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
   const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
   SweptBoxes boxes;
@@ -88,7 +91,9 @@ float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, 
       const Float8 gap = Most(along - across_a[n] - across_b[n][j], Float8{});
       squared = Most(squared, gap * gap);
     }
-    Store8(bound + 8 * j, squared * 0.9999f);
+    squared = squared * 0.9999f;
+    Store8(bound + 8 * j, squared);
+    *near |= (Bits(squared <= Fill8(squared_reach)) & used) << (8 * j);
   }
   return boxes.furthest;
 }

@@ -43,18 +43,21 @@ struct SweptCull {
 
 struct SweptKernels {
   // Leaves lower bounds of squared distances over the slice in bound[8 j + k], of child k of a from
-  // child j of b. Returns the furthest [m] that any child of b goes, either way from the middle.
-  float (*box_bounds)(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float bound[64]);
+  // child j of b, and sets the bits of `near` where they are within squared_reach. Returns the
+  // furthest [m] that any child of b goes, either way from the middle.
+  float (*box_bounds)(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
+                      float squared_reach, float bound[64], std::uint64_t* near);
 
   // Clears the bits (8 j + k) of facet pairs that stay apart by more than reach [m] over the slice
   // along a facet's normal or the direction, a unit vector in A or zero.
   std::uint64_t (*cull_facets)(const FacetBlock& a, const FacetBlock& b, const SweptCull& cull,
                                const float direction[3], float reach, std::uint64_t pairs);
 
-  // For a translation by `way` from X_AB (as in Kernels): leaves limit [m] for the distance of
-  // pairs that certainly stay farther apart, up to rounding, zero for the others.
+  // For a translation by `way` from X_AB (as in Kernels): leaves -1 for the distance of pairs that
+  // certainly stay farther apart than limit [m], up to rounding; of the others an upper bound of
+  // their least distance. `line` is a vector in A that is likely to separate them, or zero.
   void (*cull_prisms)(const double* a, const double* b, const double* X_AB, const double* way,
-                      double limit, FacetPairs* pairs);
+                      const double* line, double limit, FacetPairs* pairs);
 };
 
 const SweptKernels& ScalarSweptKernels();
