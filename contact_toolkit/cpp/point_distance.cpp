@@ -71,8 +71,10 @@ class Search {
     Tighten();
   }
 
-  void Run() {
-    ForEachNear([this](std::int32_t slot) { Try(slot); });
+  void Run(std::int32_t tried_slot) {
+    ForEachNear([&](std::int32_t slot) {
+      if (slot != tried_slot) Try(slot);
+    });
   }
 
   // Calls visit(slot) for the facets that may be within the limit, which it may lower.
@@ -126,6 +128,9 @@ class Search {
     TryEdge(slot, corner[0], corner[2], 0b001, 0b100);
     TryEdge(slot, corner[1], corner[2], 0b010, 0b100);
   }
+
+  // Looks no farther than this.
+  void LimitTo(double distance) { limit_ = RoundedUp(distance * distance); }
 
   // Whether a facet at this squared distance or farther cannot be the closest.
   bool Settled(double squared) const { return squared > best_.squared_distance; }
@@ -183,8 +188,9 @@ class Search {
     if (closer) Tighten();
   }
 
-  // The squared distance rounded up, so that a facet as close as the best is still looked at.
-  void Tighten() { limit_ = static_cast<float>(best_.squared_distance) * (1 + 1e-6f); }
+  // So that a facet as close as the best is still looked at.
+  static float RoundedUp(double squared) { return static_cast<float>(squared) * (1 + 1e-6f); }
+  void Tighten() { limit_ = RoundedUp(best_.squared_distance); }
 
   const Bvh& bvh_;
   const Vec3 p_;
@@ -208,23 +214,31 @@ ClosestPoint FindClosestPoint(const Bvh& bvh, const Vec3& p, double squared_boun
                               std::int32_t hint_slot) {
   Search search(bvh, p, squared_bound);
   if (hint_slot >= 0) search.Try(hint_slot);
-  search.Run();
+  search.Run(hint_slot);
   return search.Take();
 }
 
 void FindNearFacets(const Bvh& bvh, const Vec3& p, double margin, std::int32_t hint_slot,
                     std::vector<NearFacet>* facets) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const ClosestPoint closest = FindClosestPoint(bvh, p, kInfinity, hint_slot);
-  const double reach = std::sqrt(closest.squared_distance) + margin;
   facets->clear();
-  Search(bvh, p, reach * reach).ForEachNear([&](std::int32_t slot) {
+  double least = kInfinity;
+  Search around(bvh, p, kInfinity);
+  const auto measure = [&](std::int32_t slot) {
     Search alone(bvh, p, kInfinity);
     alone.Try(slot);
     const double distance = std::sqrt(alone.Take().squared_distance);
-    if (distance > reach) return;
     facets->push_back({std::nextafter(static_cast<float>(distance), 0.0f), slot});
+    if (distance < least) {
+      least = distance;
+      around.LimitTo(least + margin);
+    }
+  };
+  if (hint_slot >= 0) measure(hint_slot);
+  around.ForEachNear([&](std::int32_t slot) {
+    if (slot != hint_slot) measure(slot);
   });
+  std::erase_if(*facets, [&](const NearFacet& f) { return f.distance > least + margin; });
   std::ranges::sort(*facets, {}, [](const NearFacet& f) { return std::pair(f.distance, f.slot); });
 }
 
