@@ -169,7 +169,7 @@ ROWS: tuple[tuple[str, str, str, Figures], ...] = (
         ".029 .029 .029",
         jumps,
     ),
-    ("P1 largest jump at a point of the path over the largest force", "0", ".029", jump_left),
+    ("P1 largest jump at a point of the path over the largest force", "–", ".029", jump_left),
     ("P2 work of a closed tour over the largest energy", "-2e-7", "-7e-4", loop),
     ("P2 doughnut bouncing on a cone, drift (touch-downs)", "7e-6 (18–31)", "6e-5", bouncing),
     ("P2 the same by runge_kutta3 at accuracy 1e-6", "–", "–", in_drake),
