@@ -3,11 +3,29 @@
 #include <bit>
 #include <mutex>
 
+#if __linux__
+#include <sys/mman.h>
+#endif
+
 namespace contact_toolkit {
 namespace {
 
 constexpr std::size_t kSmallest = 1 << 8, kMostHeld = 1 << 27;  // [bytes]
 constexpr std::align_val_t kCacheLine{64};  // vectors that straddle lines cost two loads
+
+constexpr std::size_t kHugePage = 1 << 21;  // [bytes] takes one entry of the address cache, not 512
+
+std::align_val_t AlignmentOf(std::size_t size) {
+  return size < kHugePage ? kCacheLine : std::align_val_t{kHugePage};
+}
+
+void* NewBlock(std::size_t size) {
+  void* block = ::operator new(size, AlignmentOf(size));
+#if __linux__
+  if (size >= kHugePage) madvise(block, size, MADV_HUGEPAGE);
+#endif
+  return block;
+}
 
 struct Stock {
   std::mutex mutex;
@@ -37,7 +55,7 @@ void* TakeBlock(std::size_t bytes) {
       return block;
     }
   }
-  return ::operator new(size, kCacheLine);
+  return NewBlock(size);
 }
 
 void GiveBlock(void* block, std::size_t bytes) noexcept {
@@ -51,7 +69,7 @@ void GiveBlock(void* block, std::size_t bytes) noexcept {
       return;
     }
   }
-  ::operator delete(block, kCacheLine);
+  ::operator delete(block, AlignmentOf(std::bit_ceil(bytes)));
 }
 
 }  // namespace contact_toolkit

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -72,21 +73,27 @@ class RowMerger {
         rows_(*rows) {}
 
   void WriteSingle() {
-    rows_.Resize(candidates_.size());
-    const Column<std::int32_t>& place = features_.place();
-    std::int32_t k = 0;
+    const auto count = static_cast<std::int32_t>(candidates_.size());
+    rows_.Resize(count);
+    const std::int32_t* place = features_.place().data();
+    const FeatureWitness* witnesses = witnesses_.data();
+    const FeaturePair* features = candidates_.features.data();
+    const double standoff = standoff_;
+    const Target to(&rows_);
+    std::int32_t k = 0, next = 0;
     const auto write_until = [&](std::int32_t end) {
       for (; k < end; ++k) {
-        const FeatureWitness& w = witnesses_[place[k]];
-        if (w.distance <= standoff_) Write(w, k, candidates_.features[k], 1);
+        Prefetch(&witnesses[place[std::min(k + kAhead, count - 1)]]);
+        const FeatureWitness& w = witnesses[place[k]];
+        if (w.distance <= standoff) to.Write(next++, w, Facets(k), features[k], 1);
       }
     };
     for (std::size_t i = 0; i < measured_.rows.size(); ++i) {
       write_until(measured_.candidate[i]);
-      Copy(i);
+      Copy(i, next++);
     }
-    write_until(static_cast<std::int32_t>(candidates_.size()));
-    rows_.Resize(next_);
+    write_until(count);
+    rows_.Resize(next);
   }
 
   void WriteMerged() {
@@ -94,6 +101,8 @@ class RowMerger {
     rows_.Resize(alone + features_.order().size());
     thread_local MergeTable table;
     table.Clear();
+    const Target to(&rows_);
+    std::int32_t next = 0;
     for (std::size_t i = 0; i < alone; ++i) table.Find(KeyOf(i));
     for (std::int32_t g : features_.order()) {
       if (features_.MayHaveTwin(g)) table.Find(features_.group(g).features.key());
@@ -105,8 +114,8 @@ class RowMerger {
         if (*row >= 0) {
           ++rows_.multiplicity[*row];
         } else {
-          *row = next_;
-          Copy(i);
+          *row = next;
+          Copy(i, next++);
         }
       }
     };
@@ -120,44 +129,76 @@ class RowMerger {
         rows_.multiplicity[*row] += group.count;
         continue;
       }
-      if (row != nullptr) *row = next_;
-      Write(w, group.first, group.features, group.count);
+      if (row != nullptr) *row = next;
+      to.Write(next++, w, Facets(group.first), group.features, group.count);
     }
     copy_until(static_cast<std::int32_t>(candidates_.size()));
-    rows_.Resize(next_);
+    rows_.Resize(next);
   }
 
  private:
+  // How many candidates ahead witnesses are fetched: they lie as their features had them packed.
+  static constexpr std::int32_t kAhead = 12;
+  static void Prefetch(const FeatureWitness* w) {
+    __builtin_prefetch(&w->p_ACa);
+    __builtin_prefetch(&w->distance);
+  }
+
+  // Where the columns begin: known to stay while rows are written.
+  class Target {
+   public:
+    explicit Target(WitnessPairs* rows)
+        : distance_(rows->distance.data()),
+          p_ACa_(rows->p_ACa.data()),
+          p_ACb_(rows->p_ACb.data()),
+          normal_A_(rows->normal_A.data()),
+          facet_a_(rows->facet_a.data()),
+          facet_b_(rows->facet_b.data()),
+          feature_a_(rows->feature_a.data()),
+          feature_b_(rows->feature_b.data()),
+          multiplicity_(rows->multiplicity.data()) {}
+
+    void Write(std::int32_t row, const FeatureWitness& w, std::array<std::int32_t, 2> facets,
+               const FeaturePair& features, std::int32_t multiplicity) const {
+      distance_[row] = w.distance;
+      p_ACa_[row] = w.p_ACa;
+      p_ACb_[row] = w.p_ACb;
+      normal_A_[row] = w.normal_A;
+      facet_a_[row] = facets[0];
+      facet_b_[row] = facets[1];
+      feature_a_[row] = features.a;
+      feature_b_[row] = features.b;
+      multiplicity_[row] = multiplicity;
+    }
+
+   private:
+    double* distance_;
+    Vec3 *p_ACa_, *p_ACb_, *normal_A_;
+    std::int32_t *facet_a_, *facet_b_;
+    Feature *feature_a_, *feature_b_;
+    std::int32_t* multiplicity_;
+  };
+
+  std::array<std::int32_t, 2> Facets(std::int32_t candidate) const {
+    return {slot_facet_a_[candidates_.slot_a[candidate]],
+            slot_facet_b_[candidates_.slot_b[candidate]]};
+  }
+
   std::uint64_t KeyOf(std::size_t i) const {
     return FeaturePair{measured_.rows.feature_a[i], measured_.rows.feature_b[i]}.key();
   }
 
-  void Write(const FeatureWitness& w, std::int32_t candidate, const FeaturePair& features,
-             std::int32_t multiplicity) {
-    rows_.distance[next_] = w.distance;
-    rows_.p_ACa[next_] = w.p_ACa;
-    rows_.p_ACb[next_] = w.p_ACb;
-    rows_.normal_A[next_] = w.normal_A;
-    rows_.facet_a[next_] = slot_facet_a_[candidates_.slot_a[candidate]];
-    rows_.facet_b[next_] = slot_facet_b_[candidates_.slot_b[candidate]];
-    rows_.feature_a[next_] = features.a;
-    rows_.feature_b[next_] = features.b;
-    rows_.multiplicity[next_] = multiplicity;
-    ++next_;
-  }
-
-  void Copy(std::size_t i) {
+  void Copy(std::size_t i, std::int32_t row) {
     const WitnessPairs& from = measured_.rows;
-    rows_.distance[next_] = from.distance[i];
-    rows_.p_ACa[next_] = from.p_ACa[i];
-    rows_.p_ACb[next_] = from.p_ACb[i];
-    rows_.normal_A[next_] = from.normal_A[i];
-    rows_.facet_a[next_] = from.facet_a[i];
-    rows_.facet_b[next_] = from.facet_b[i];
-    rows_.feature_a[next_] = from.feature_a[i];
-    rows_.feature_b[next_] = from.feature_b[i];
-    rows_.multiplicity[next_] = from.multiplicity[i];
-    ++next_;
+    rows_.distance[row] = from.distance[i];
+    rows_.p_ACa[row] = from.p_ACa[i];
+    rows_.p_ACb[row] = from.p_ACb[i];
+    rows_.normal_A[row] = from.normal_A[i];
+    rows_.facet_a[row] = from.facet_a[i];
+    rows_.facet_b[row] = from.facet_b[i];
+    rows_.feature_a[row] = from.feature_a[i];
+    rows_.feature_b[row] = from.feature_b[i];
+    rows_.multiplicity[row] = from.multiplicity[i];
   }
 
   const std::vector<std::int32_t>&slot_facet_a_, &slot_facet_b_;
@@ -167,7 +208,6 @@ class RowMerger {
   const MeasuredRows& measured_;
   const double standoff_;
   WitnessPairs& rows_;
-  std::int32_t next_ = 0;
 };
 
 }  // namespace contact_toolkit
