@@ -78,18 +78,18 @@ class ContactModel:
             raise ValueError(f"body names must differ from each other: {list(self._bodies)}")
         self._geometries = tuple(geometries)
         self._pairs = tuple(pairs)
-        body_of = [_body_index(geometry, self._bodies) for geometry in self._geometries]
+        self._geometry_bodies = tuple(_body_index(each, self._bodies) for each in self._geometries)
         webs = _Webs(self._geometries)
         native_pairs = []
         for index, pair in enumerate(self._pairs):
-            where = _require_pair(index, pair, self._geometries, body_of)
+            where = _require_pair(index, pair, self._geometries, self._geometry_bodies)
             try:
                 native_pairs.append(_native_pair(pair, webs.make(pair)))
             except ValueError as error:
                 raise ValueError(f"{where}: {error}") from error
         native_geometries = [
             _native_geometry(geometry, body)
-            for geometry, body in zip(self._geometries, body_of, strict=True)
+            for geometry, body in zip(self._geometries, self._geometry_bodies, strict=True)
         ]
         self._native = _core.ContactModel(
             len(self._bodies), native_geometries, native_pairs, threads
@@ -109,6 +109,16 @@ class ContactModel:
     def pairs(self) -> tuple[ContactPair, ...]:
         """The pairs, as given."""
         return self._pairs
+
+    @property
+    def geometry_bodies(self) -> tuple[int, ...]:
+        """Index into `bodies` of the body that each geometry is fixed to."""
+        return self._geometry_bodies
+
+    def pair_names(self, pair: int) -> tuple[str, str]:
+        """Return the names of the geometries A and B of a pair, such as one of `contacts.pair`."""
+        touching = self._pairs[pair]
+        return self._geometries[touching.a].name, self._geometries[touching.b].name
 
     def initial_table(self) -> StepTable:
         """Return the table before the first step: no anchors, nothing lost."""
@@ -245,7 +255,7 @@ def _body_index(geometry: ContactGeometry, bodies: tuple[str, ...]) -> int:
 
 
 def _require_pair(
-    index: int, pair: ContactPair, geometries: tuple[ContactGeometry, ...], body_of: list[int]
+    index: int, pair: ContactPair, geometries: tuple[ContactGeometry, ...], body_of: tuple[int, ...]
 ) -> str:
     """Check which geometries a pair joins; return how to call it in messages."""
     for geometry in (pair.a, pair.b):

@@ -166,7 +166,8 @@ for resolution in (0.2, 0.1, 0.05, 0.02, 0.01):
 # ## Reading contacts
 #
 # The port `contacts` holds one row for each loaded spring, as arrays in the world frame
-# (`help(contact_toolkit.ContactArrays)` lists them). Pairs are indices into the contact model's:
+# (`help(contact_toolkit.ContactArrays)` lists them). Pairs are indices into the contact model's,
+# which knows their names:
 
 # %%
 simulator, contact, _ = drop_cube(ContactConfig(k=1e7, alpha=1.0, resolution=0.1))
@@ -176,8 +177,7 @@ contacts = contact.get_contacts_output_port().Eval(
 force_on_a = contacts.normal_force[:, None] * contacts.normal_F + contacts.friction_force_F
 for index in np.unique(contacts.pair):
     rows = contacts.pair == index
-    pair = contact.model.pairs[index]
-    a, b = (contact.model.geometries[side].name for side in (pair.a, pair.b))
+    a, b = contact.model.pair_names(index)
     print(f"{a} and {b}: {rows.sum()} springs, {contacts.anchored[rows].mean():.0%} stick")
     print(f"  force on the first [N]: {force_on_a[rows].sum(axis=0).round(3)}")
     print(f"  deepest [m]: {contacts.deformation[rows].max():.2e}")

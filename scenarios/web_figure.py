@@ -66,9 +66,8 @@ class _View:
         self.time = record["time"][sample]
         self.lines = np.stack([contacts.p_FCa, contacts.p_FCb], axis=1)
         surfaces = []
-        for geometry in contact.model.geometries:
-            row = geometry.body
-            row = row if isinstance(row, int) else contact.model.bodies.index(row)
+        model = contact.model
+        for geometry, row in zip(model.geometries, model.geometry_bodies, strict=True):
             body = plant.get_body(contact.bodies[row])
             X_WG = plant.EvalBodyPoseInWorld(plant_context, body).GetAsMatrix4() @ geometry.X_BG
             vertices = geometry.mesh.vertices @ X_WG[:3, :3].T + X_WG[:3, 3]

@@ -71,7 +71,7 @@ class ContactWatch:
         self._when_deep = when_deep
         self._model = model
         self._time_step = plant.time_step()
-        body_of = [geometry.body for geometry in model.geometries]
+        body_of = model.geometry_bodies
         pair_bodies = np.array([[body_of[pair.a], body_of[pair.b]] for pair in model.pairs])
         self._frequency = ContactFrequency(plant, bodies, pair_bodies)
 
@@ -110,9 +110,8 @@ class ContactWatch:
             if status[i] & bit
         }
         for pair, bit in sorted(seen - reported.statuses):
-            touching = self._model.pairs[pair]
-            a, b = (self._model.geometries[side].name for side in (touching.a, touching.b))
-            meaning = _MEANING[touching.web, bit]
+            a, b = self._model.pair_names(pair)
+            meaning = _MEANING[self._model.pairs[pair].web, bit]
             message = f"contact of {a} and {b}: {meaning}; take shorter steps, or stiffer contact"
             if self._when_deep == "raise":
                 raise RuntimeError(message)

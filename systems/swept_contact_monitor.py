@@ -165,8 +165,7 @@ class SweptContactMonitor(LeafSystem):
             return
         last, now = self._eval_last(context), self._eval_next(context)
         for pair in np.flatnonzero(now.passes > last.passes):
-            sides = self._model.pairs[pair].a, self._model.pairs[pair].b
-            a, b = (self._model.geometries[side].name for side in sides)
+            a, b = self._model.pair_names(int(pair))
             message = (
                 f"{a} and {b} passed through each other between t = {last.time:.6g} s and "
                 f"{now.time:.6g} s, without contact at either; shorten the integrator's maximum "

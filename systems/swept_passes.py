@@ -19,9 +19,7 @@ class SweptPasses:
     def __init__(self, model: ContactModel) -> None:
         self._geometries = model.geometries
         self._pairs = np.array([(pair.a, pair.b) for pair in model.pairs])
-        rows = {name: row for row, name in enumerate(model.bodies)}
-        bodies = [geometry.body for geometry in model.geometries]
-        self._body = np.array([rows[body] if isinstance(body, str) else body for body in bodies])
+        self._body = np.array(model.geometry_bodies)
         self._X_BG = np.array([geometry.X_BG for geometry in model.geometries])
         meshes = [geometry.mesh for geometry in model.geometries]
         middles = np.array([(mesh.lower + mesh.upper) / 2 for mesh in meshes])

@@ -123,7 +123,7 @@ def test_contacts_listed_add_up_to_the_wrenches(web):
     wrenches = np.zeros((6, 6))
     for side, sign in (("a", 1), ("b", -1)):
         geometry = np.array([getattr(pair, side) for pair in model.pairs])[contacts.pair]
-        body = np.array([geometry.body for geometry in model.geometries])[geometry]
+        body = np.array(model.geometry_bodies)[geometry]
         moment = np.cross(contacts.p_FC - X_FB[body, :3, 3], force_on_a)
         np.add.at(wrenches, body, sign * np.hstack([moment, force_on_a]))
     assert np.abs(contacts.friction_force_F).max() > 0

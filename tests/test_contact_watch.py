@@ -17,8 +17,20 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from scipy.spatial.transform import Rotation
 
-from contact_toolkit import ContactStatus
-from systems import AddNonlinearDamperContact, ContactConfig
+from contact_toolkit import (
+    CollisionMesh,
+    ContactGeometry,
+    ContactModel,
+    ContactPair,
+    ContactStatus,
+    NonlinearDamper,
+)
+from systems import (
+    AddNonlinearDamperContact,
+    ContactConfig,
+    NonlinearDamperContact,
+    tessellation,
+)
 from systems.explicit_stability import ContactFrequency
 
 MASS = 0.5
@@ -232,3 +244,31 @@ def test_what_is_not_too_deep_is_not_told(ground, height, contact):
     assert len(found) > 0
     assert (found == 0).all()
     simulator.AdvanceTo(0.02)
+
+
+def test_a_system_made_by_hand_knows_its_bodies_by_name():
+    """Geometries fixed to bodies by name, whose masses the watch does not find."""
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.01)
+    body = plant.AddRigidBody("cube", SpatialInertia.SolidBoxWithMass(1.0, 0.1, 0.1, 0.1))
+    plant.Finalize()
+    cube = CollisionMesh(*tessellation.box([0.1, 0.1, 0.1]))
+    model = ContactModel(
+        ["ground", "cube"],
+        [ContactGeometry(name, name, cube) for name in ("ground", "cube")],
+        [ContactPair(0, 1, NonlinearDamper(k=1e8))],
+    )
+    assert model.geometry_bodies == (0, 1)
+    assert model.pair_names(0) == ("ground", "cube")
+    bodies = [plant.world_body().index(), body.index()]
+    contact = builder.AddSystem(NonlinearDamperContact(plant, model, bodies))
+    builder.Connect(plant.get_state_output_port(), contact.get_state_input_port())
+    builder.Connect(
+        contact.get_generalized_forces_output_port(),
+        plant.get_applied_generalized_force_input_port(),
+    )
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyContextFromRoot(simulator.get_context())
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, 0.0999])
+    with pytest.raises(RuntimeError, match="times the stable limit"):
+        simulator.AdvanceTo(0.1)
