@@ -36,7 +36,9 @@ def draw_web(record: Record, assembly: Assembly, root: Context, folder: Path) ->
     figure = Figure(figsize=(4.6 * len(views), 4.8), layout="constrained")
     for panel, (title, view) in enumerate(views.items(), start=1):
         axes = figure.add_subplot(1, len(views), panel, projection="3d")
-        axes.set_title(f"{title}: t = {view.time:.2f} s, {len(view.lines)} springs", fontsize=11)
+        axes.set_title(
+            f"{title}: t = {view.time:.2f} s, {len(view.lines)} springs", fontsize=11, y=0.96
+        )
         centre = view.facets.mean(axis=1)
         near = view.facets[np.all((centre > box[0]) & (centre < box[1]), axis=1)]
         style = {"facecolor": (0.5, 0.6, 0.7, 0.03), "edgecolor": (0.3, 0.35, 0.4, 0.12)}

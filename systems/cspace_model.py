@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydrake.geometry import GeometryId, SceneGraph
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
 from contact_toolkit import (
@@ -17,7 +17,7 @@ from contact_toolkit import (
 )
 from systems.body_names import BodyNames
 from systems.contact_pairs import choose_geometry_pairs
-from systems.geometry_import import GeometryImporter, ImportedGeometry
+from systems.geometry_import import GeometryImporter
 
 Floats = NDArray[np.float64]
 
@@ -56,11 +56,7 @@ class PlantCSpace:
         importer = GeometryImporter(
             plant, scene_graph, tessellation_tolerance=tessellation_tolerance
         )
-        imported: dict[GeometryId, ImportedGeometry] = {}
-        for pair in chosen:
-            for geometry in pair:
-                if geometry not in imported:
-                    imported[geometry] = importer.read(geometry)
+        imported = importer.read_all(chosen)
         rows = {geometry: row for row, geometry in enumerate(imported)}
         self._plant = plant
         self._context = plant.CreateDefaultContext()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +27,7 @@ from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import CollisionMesh, MeshError
 from systems import tessellation
+from systems.contact_pairs import GeometryPair
 from systems.mesh_source import read_mesh_source, surface_of
 from systems.proximity_material import ProximityMaterial, read_material
 from systems.tessellation import Triangles
@@ -125,6 +128,10 @@ class GeometryImporter:
                 self._inspector.GetProximityProperties(geometry), self._defaults
             ),
         )
+
+    def read_all(self, pairs: Iterable[GeometryPair]) -> dict[GeometryId, ImportedGeometry]:
+        """Return every geometry of the pairs, in the order in which they name them; see `read`."""
+        return {geometry: self.read(geometry) for geometry in dict.fromkeys(chain(*pairs))}
 
     def _mesh_of(self, geometry: GeometryId) -> CollisionMesh:
         shape = self._inspector.GetShape(geometry)

@@ -35,11 +35,7 @@ def import_contact_model(
         tessellation_tolerance=config.tessellation_tolerance,
         half_space_reach=config.half_space_reach,
     )
-    geometries: dict[GeometryId, ImportedGeometry] = {}
-    for pair in pairs:
-        for geometry in pair:
-            if geometry not in geometries:
-                geometries[geometry] = importer.read(geometry)
+    geometries = importer.read_all(pairs)
     materials = {
         names.find(body, "materials"): _material(body, material)
         for body, material in config.materials.items()
