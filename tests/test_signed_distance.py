@@ -1,13 +1,33 @@
 """Signed distance of points: against every facet tried in extended precision, sign by winding."""
 
+import itertools
+
 import mesh_shapes
 import numpy as np
 import oracle_brute_force
 import pytest
+from scipy.spatial.transform import Rotation
 
 from contact_toolkit import CollisionMesh, MeshError, signed_distance
 
 pytestmark = pytest.mark.engine
+
+
+def wedge(cuts: int, turned: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """A blade of 11°; below, its edge is cut, and facets without area join it to the edge above."""
+    middle = [[0, y, 0] for y in np.linspace(-1, 1, cuts + 2)[1:-1] ** 3 + 0.1]
+    vertices = [[0, -1, 0], [0, 1, 0], [-1, -1, 0.1], [-1, 1, 0.1], [-1, -1, -0.1], [-1, 1, -0.1]]
+    chain = [0, *range(6, 6 + cuts), 1]
+    faces = [[0, 1, 3], [0, 3, 2], [1, 4, 5], [2, 3, 5], [2, 5, 4], [0, 2, 4], [1, 5, 3]]
+    for a, b in itertools.pairwise(chain):
+        faces.append([b, a, 4])
+        if a != 0:
+            faces.append([0, a, b])
+    points = np.array([*vertices, *middle], dtype=float)
+    if turned:  # the corners on the edge are then in line to rounding only
+        points = points @ Rotation.from_rotvec([0.3, -0.5, 0.7]).as_matrix().T
+    return points, np.array(faces)
+
 
 SHAPES = {
     "cube": mesh_shapes.cube(),
@@ -15,6 +35,9 @@ SHAPES = {
     "cone": mesh_shapes.cone(),
     "bumpy ball": mesh_shapes.ball(2, bumps=0.3),
     "single precision's worst": (mesh_shapes.ball(2)[0] + [3e4, -7e4, 1e5], mesh_shapes.ball(2)[1]),
+    "edge cut in two": wedge(1),
+    "edge cut in four": wedge(3),
+    "edge cut in four, turned": wedge(3, turned=True),
 }
 
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numbers>
 #include <tuple>
 #include <unordered_map>
 
@@ -20,6 +21,10 @@ std::string Short(double x) {
 std::string Describe(const char* what, std::size_t index) {
   return std::string(what) + " " + std::to_string(index);
 }
+
+// How far pseudonormals look through facets without area: enough for a few in a row, and no mesh,
+// however tangled, takes long.
+constexpr int kMostInARow = 8;
 
 double AngleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - corner, v = b - corner;
@@ -145,18 +150,72 @@ void CollisionMesh::BuildNormals() {
   edge_normals_.assign(edges_.size(), Vec3{});
   vertex_normals_.assign(vertices_.size(), Vec3{});
   const Vec3 middle = 0.5 * (lower_ + upper_);
+  std::vector<std::int32_t> without_width;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Vec3 p[3] = {vertices_[faces_[f][0]], vertices_[faces_[f][1]], vertices_[faces_[f][2]]};
     const Vec3 n = Cross(p[1] - p[0], p[2] - p[0]);
     face_normals_[f] = Normalized(n);
     area_ += 0.5 * Norm(n);
     volume_ += Dot(p[0] - middle, n) / 6;
+    if (HasNoWidth(static_cast<std::int32_t>(f))) {
+      without_width.push_back(static_cast<std::int32_t>(f));
+      continue;
+    }
     for (int k = 0; k < 3; ++k) {
       edge_normals_[face_edges_[f][k]] += face_normals_[f];
       vertex_normals_[faces_[f][k]] +=
           AngleAt(p[k], p[(k + 1) % 3], p[(k + 2) % 3]) * face_normals_[f];
     }
   }
+  // On these, the surfaces on either side meet: each edge sees what lies beyond, and the vertex in
+  // the middle of the longest edge the surface across that edge.
+  for (const std::int32_t f : without_width) {
+    const int longest = LongestEdge(f);
+    for (int k = 0; k < 3; ++k) {
+      edge_normals_[face_edges_[f][k]] += NormalBeyond(f, face_edges_[f][k], kMostInARow);
+    }
+    vertex_normals_[faces_[f][(longest + 2) % 3]] +=
+        std::numbers::pi * NormalAcross(face_edges_[f][longest], f, kMostInARow);
+  }
+}
+
+int CollisionMesh::LongestEdge(std::int32_t facet) const {
+  const Triple& f = faces_[facet];
+  int longest = 0;
+  double most = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double squared = SquaredNorm(vertices_[f[(k + 1) % 3]] - vertices_[f[k]]);
+    if (squared > most) most = squared, longest = k;
+  }
+  return longest;
+}
+
+// Whether the corners lie on a line, to rounding: the normal then has no direction.
+bool CollisionMesh::HasNoWidth(std::int32_t facet) const {
+  const Triple& f = faces_[facet];
+  const Vec3 a = vertices_[f[0]], u = vertices_[f[1]] - a, v = vertices_[f[2]] - a;
+  const int k = LongestEdge(facet);
+  const double length = Norm(vertices_[f[(k + 1) % 3]] - vertices_[f[k]]);
+  const double size = std::max(Norm(lower_), Norm(upper_));
+  return Norm(Cross(u, v)) <= kTouching * size * length;
+}
+
+// The normal on the other side of a facet's edge; zero where there is none.
+Vec3 CollisionMesh::NormalAcross(std::int32_t edge, std::int32_t facet, int most) const {
+  const auto [a, b] = edge_faces_[edge];
+  const std::int32_t other = a == facet ? b : a;
+  if (other < 0 || most == 0) return {};
+  return HasNoWidth(other) ? NormalBeyond(other, edge, most - 1) : face_normals_[other];
+}
+
+// The normal seen from one edge of a facet without width past its other edges: the shorter two lie
+// along the longest.
+Vec3 CollisionMesh::NormalBeyond(std::int32_t facet, std::int32_t edge, int most) const {
+  const auto& edges = face_edges_[facet];
+  const int longest = LongestEdge(facet);
+  if (edge != edges[longest]) return NormalAcross(edges[longest], facet, most);
+  return Normalized(NormalAcross(edges[(longest + 1) % 3], facet, most) +
+                    NormalAcross(edges[(longest + 2) % 3], facet, most));
 }
 
 void CollisionMesh::FindDefects() {

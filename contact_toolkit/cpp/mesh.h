@@ -69,7 +69,8 @@ class CollisionMesh {
 
   // Unit facet normals by winding (zero for zero-area facets); angle-weighted vertex pseudonormals
   // and edge pseudonormals (sum of the facets' normals), not normalised
-  // (Baerentzen and Aanaes, IEEE TVCG 11(3), 2005).
+  // (Baerentzen and Aanaes, IEEE TVCG 11(3), 2005). Facets without width are looked through: what
+  // lies on their other side counts.
   const std::vector<Vec3>& face_normals() const { return face_normals_; }
   const std::vector<Vec3>& edge_normals() const { return edge_normals_; }
   const std::vector<Vec3>& vertex_normals() const { return vertex_normals_; }
@@ -88,6 +89,10 @@ class CollisionMesh {
   void Weld(std::span<const Vec3> vertices, std::span<const Triple> faces);
   void BuildEdges();
   void BuildNormals();
+  int LongestEdge(std::int32_t facet) const;
+  bool HasNoWidth(std::int32_t facet) const;
+  Vec3 NormalAcross(std::int32_t edge, std::int32_t facet, int most) const;
+  Vec3 NormalBeyond(std::int32_t facet, std::int32_t edge, int most) const;
   void FindDefects();
   void BuildSlotEdges();
 
