@@ -81,9 +81,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _set(raw: dict[str, Any], override: str) -> None:
-    path, equals, value = override.partition("=")
-    if not equals or not path:
-        raise ScenarioError(f"'{override}' is not of the form path.to.key=value")
+    path, _, value = override.partition("=")
+    if not (path and value):
+        raise ScenarioError(f"'{override}' is not of the form path.to.key=value ('' is empty text)")
     *parents, last = path.split(".")
     node: Any = raw
     try:

@@ -37,7 +37,7 @@ def draw_web(record: Record, assembly: Assembly, root: Context, folder: Path) ->
     for panel, (title, view) in enumerate(views.items(), start=1):
         axes = figure.add_subplot(1, len(views), panel, projection="3d")
         axes.set_title(
-            f"{title}: t = {view.time:.2f} s, {len(view.lines)} springs", fontsize=11, y=0.96
+            f"{title}: t = {view.time:.2f} s, {len(view.lines)} springs", fontsize=11, y=0.02
         )
         centre = view.facets.mean(axis=1)
         near = view.facets[np.all((centre > box[0]) & (centre < box[1]), axis=1)]

@@ -135,7 +135,9 @@ def test_one_of_several_scenarios_in_a_file_can_be_chosen(write):
         load(f"{path}:fly")
 
 
-@pytest.mark.parametrize("override", ["simulation_duration", "=3", "directives.7.x=1", "a.b=["])
+@pytest.mark.parametrize(
+    "override", ["record_period", "record_period=", "=3", "directives.7.x=1", "a.b=["]
+)
 def test_bad_overrides_are_quoted(write, override):
     with pytest.raises(ScenarioError):
         load(write(MINIMAL), [override])
