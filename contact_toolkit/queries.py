@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -56,7 +55,7 @@ class ClosestPair:
 class WitnessPairs:
     """Facet pairs closer than a standoff, one row each; see `witness_pairs`.
 
-    The columns are read-only arrays, made where the rows lie when they are first read.
+    The columns are read-only arrays: views of the rows, made whenever one is asked for.
     """
 
     def __init__(self, rows: _core.WitnessPairs) -> None:
@@ -65,47 +64,47 @@ class WitnessPairs:
     def __len__(self) -> int:
         return len(self._rows)
 
-    @cached_property
+    @property
     def distance(self) -> Floats:
         """(n,) [m]; 0 where facets cross."""
         return self._rows.distance
 
-    @cached_property
+    @property
     def p_ACa(self) -> Floats:
         """(n, 3) witness points on A, in A [m]."""
         return self._rows.p_ACa
 
-    @cached_property
+    @property
     def p_ACb(self) -> Floats:
         """(n, 3) witness points on B, in A [m]; those on A where facets cross."""
         return self._rows.p_ACb
 
-    @cached_property
+    @property
     def normal_A(self) -> Floats:
         """(n, 3) unit vectors from B towards A; by the facets' windings at distance zero."""
         return self._rows.normal_A
 
-    @cached_property
+    @property
     def facet_a(self) -> Ints:
         """(n,) facets of A; of a merged row, that of the first pair found."""
         return self._rows.facet_a
 
-    @cached_property
+    @property
     def facet_b(self) -> Ints:
         """(n,) facets of B; of a merged row, that of the first pair found."""
         return self._rows.facet_b
 
-    @cached_property
+    @property
     def feature_a(self) -> Ints:
         """(n, 2) kind and index of the feature of A the witness point lies on."""
         return self._rows.feature_a
 
-    @cached_property
+    @property
     def feature_b(self) -> Ints:
         """(n, 2) kind and index of the feature of B the witness point lies on."""
         return self._rows.feature_b
 
-    @cached_property
+    @property
     def multiplicity(self) -> Ints:
         """(n,) how many facet pairs the row stands for; 1 everywhere when not merged."""
         return self._rows.multiplicity
@@ -115,9 +114,7 @@ class WitnessPairs:
         return {name: getattr(self, name) for name in _COLUMNS}
 
 
-_COLUMNS = [
-    name for name, value in vars(WitnessPairs).items() if isinstance(value, cached_property)
-]
+_COLUMNS = [name for name, value in vars(WitnessPairs).items() if isinstance(value, property)]
 
 
 def distance(A: Shape, B: Shape, X_AB: ArrayLike, *, upper_bound: float = np.inf) -> ClosestPair:
