@@ -47,6 +47,13 @@ def _least_of_all_pairs(A, B, X):
     return min(_core.gjk(np.array(a), b, np.inf)["distance"] for a in A for b in moved)
 
 
+def _least_of_all_sweeps(A, B, X0, X1):
+    """In a pure translation: every piece sweeps over the hull of its two end positions."""
+    ends = [[b @ X[:3, :3].T + X[:3, 3] for X in (X0, X1)] for b in B]
+    swept = [np.ascontiguousarray(np.concatenate(pair)) for pair in ends]
+    return min(_core.gjk(np.array(a), b, np.inf)["distance"] for a in A for b in swept)
+
+
 def _box(lower, upper):
     corners = np.stack(np.meshgrid(*zip(lower, upper, strict=True), indexing="ij"), axis=-1)
     return corners.reshape(-1, 3).astype(float)
@@ -102,10 +109,47 @@ def test_swept_pieces(rng, turn):
         samples.append(distance(A, B, X).distance)
     assert found.distance <= min(samples) + 1e-12
     assert found.error <= 1.01e-4
+    if turn == 0:
+        truth = _least_of_all_sweeps(A.pieces, B.pieces, X0, X1)
+        assert found.error == 0
+        assert abs(found.distance - truth) < 1e-12
     impact = time_of_impact(A, B, X0, X1, tolerance=1e-4)
     assert impact.status == ImpactStatus.FREE or impact.distance <= 1e-4
+    assert impact.status != ImpactStatus.ITERATION_LIMIT
+    before = np.linspace(0, 1, 31) < impact.time
+    assert (np.array(samples)[before] > 0).all()
     assert impact.status != ImpactStatus.FREE or min(samples) > 0
     assert swept_intersects(A, B, X0, X1) or min(samples) > 0
+
+
+@pytest.mark.engine
+@given(rngs)
+def test_pieces_at_rest(rng):
+    """Two answers to one question: no motion, and none asked about."""
+    A, B = _random_pieces(rng, 8), _random_pieces(rng, 8)
+    X = random_pose(rng, 4)
+    static, swept = distance(A, B, X), swept_distance(A, B, X, X)
+    assert (swept.distance, swept.error) == (static.distance, 0)
+    assert swept_intersects(A, B, X, X) == intersects(A, B, X)
+    impact = time_of_impact(A, B, X, X)
+    assert (impact.status == ImpactStatus.INITIAL_CONTACT) == (static.distance == 0)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("spin", [0.0, 3.0])
+def test_bullet_of_pieces_through_a_plate(spin):
+    """A piece that is on the other side at the next step, seen on neither side."""
+    plate = ConvexPieces([_box([-1, -1, -5e-7], [1, 1, 5e-7])])
+    bullet = ConvexPieces([_box([-0.01, -0.01, 0], [0.01, 0.01, 0.01]), [[0.0, 0.0, -0.01]]])
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        X0, X1 = random_pose(rng, 0.4), random_pose(rng, 0.4)
+        X0[2, 3], X1[2, 3] = rng.uniform(0.1, 50), -rng.uniform(0.1, 50)
+        if spin == 0:
+            X1[:3, :3] = X0[:3, :3]
+        assert swept_intersects(plate, bullet, X0, X1)
+        assert swept_distance(plate, bullet, X0, X1).distance == 0
+        assert time_of_impact(plate, bullet, X0, X1).status == ImpactStatus.IMPACT
 
 
 @pytest.mark.engine

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from contact_toolkit import (
     CollisionMesh,
+    ConvexPieces,
     ImpactStatus,
     _core,
     distance,
@@ -296,6 +297,21 @@ def test_far_apart(far):
     assert time_of_impact(A, B, X0, X1).status == ImpactStatus.FREE
 
 
+def test_sliding_between_walls():
+    """A gap that is everywhere the same, and so of thousands of facets, is lost among them."""
+    channel, slider = (mesh_shapes.cube() for _ in range(2))
+    for _ in range(3):
+        channel, slider = (mesh_shapes.subdivided(*shape) for shape in (channel, slider))
+    A = CollisionMesh(channel[0] * [1, 1, 8], channel[1])
+    R = Rotation.from_rotvec([0.4, 0.8, -0.5]).as_matrix()  # B's frame, askew to its faces
+    B = CollisionMesh(slider[0] * 0.9 @ R, slider[1])
+    for offset in (0.0, 0.01):
+        X0, X1 = pose(R, (offset, 0, -2.02)), pose(R, (offset, 0, 1.03))
+        found = swept_distance(A, B, X0, X1)
+        assert found.distance == pytest.approx(0.05 - offset, abs=1e-15)
+        assert found.converged
+
+
 def test_degenerate_facets():
     """Zero-area and duplicate facets are still points and edges to run into."""
     needle = CollisionMesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2], [0, 1, 2]])
@@ -309,9 +325,12 @@ def test_degenerate_facets():
 
 
 @pytest.mark.threads
-def test_batches_equal_single_queries():
+@pytest.mark.parametrize("pieces", [False, True], ids=["meshes", "pieces"])
+def test_batches_equal_single_queries(pieces):
     """Rows mixed up or answers changed by sharing them between threads."""
     A, B = _MESHES["doughnut"], _MESHES["soup"]
+    if pieces:
+        A, B = (ConvexPieces(list(mesh.vertices[mesh.faces])) for mesh in (A, B))
     rng = np.random.default_rng(1)
     motions = [_random_motion(rng, turn=rng.choice([0, 0.3])) for _ in range(30)]
     start, end = (np.array(poses) for poses in zip(*motions, strict=True))

@@ -5,6 +5,7 @@
 
 #include "facet_pair.h"
 #include "node_extents.h"
+#include "tolerances.h"
 #include "witness.h"
 
 namespace contact_toolkit {
@@ -88,24 +89,29 @@ class Search {
   // Whether two nodes lie farther apart than the best distance along the line of the best pair.
   bool Apart(std::int32_t index_a, std::int32_t index_b) {
     if (found_.count == 0) return false;
-    if (best_ < kStale * aimed_at_) Aim();
-    const float apart = extents_a_.Least(index_a) + extents_b_.Least(index_b) - offset_;
-    return apart > 0 && double{apart} * apart > best_ * 1.0002;
+    if (std::sqrt(best_) < stale_below_) Aim();
+    const double apart = double{extents_a_.Least(index_a)} + extents_b_.Least(index_b) - offset_;
+    return apart > 0 && apart * apart > best_ * length_;
   }
 
-  // Takes the line of the best pair, from B towards A, for the direction of the extents.
+  // Takes the line of the best pair, from B towards A, for the direction of the extents. Extents
+  // are no larger than the bodies, so single precision does; the way between them is in double.
   void Aim() {
-    aimed_at_ = best_;
+    const Bvh &a = pair_.A.bvh(), &b = pair_.B.bvh();
+    const double distance = std::sqrt(best_);
+    stale_below_ = distance - kStaleAim * std::min({distance, a.size, b.size});
     const Vec3 line = Normalized({found_.normal[0][0], found_.normal[1][0], found_.normal[2][0]});
-    float n[3], n_B[3] = {0, 0, 0};
-    offset_ = pair_.cull.slack;
-    for (int i = 0; i < 3; ++i) {
-      n[i] = static_cast<float>(line[i]);
-      offset_ += n[i] * pair_.cull.p[i];
-      for (int k = 0; k < 3; ++k) n_B[k] -= n[i] * pair_.cull.R[i][k];
-    }
-    extents_a_.Start(pair_.A.bvh(), n);
-    extents_b_.Start(pair_.B.bvh(), n_B);
+    const float n[3]{static_cast<float>(line.x), static_cast<float>(line.y),
+                     static_cast<float>(line.z)};
+    const Vec3 along{n[0], n[1], n[2]};  // what is rounded must be the same for all
+    const Vec3 along_B = -(Transpose(pair_.X_AB.R) * along);
+    const float n_B[3]{static_cast<float>(along_B.x), static_cast<float>(along_B.y),
+                       static_cast<float>(along_B.z)};
+    length_ = SquaredNorm(along) * (1 + kTouching);
+    offset_ = Dot(along, pair_.X_AB * b.origin - a.origin) + kCullingSlack * (a.size + b.size) +
+              kTouching * pair_.size;
+    extents_a_.Start(a, n);
+    extents_b_.Start(b, n_B);
   }
 
   void MeasureFacets(const BvhNode& a, const BvhNode& b, const float* bound) {
@@ -137,14 +143,12 @@ class Search {
 
   // [m²] A bound whose square underflows must still admit a distance of zero.
   static constexpr double kTiny = 1e-300;
-  // [-] A direction serves until the squared distance has fallen to this share.
-  static constexpr double kStale = 0.98;
-
   const PosedPair& pair_;
   double best_;  // [m²]
   FacetPairs chunk_, found_;
-  double aimed_at_ = std::numeric_limits<double>::infinity();  // [m²] best_ when last aimed
-  float offset_ = 0;                                           // [m] of B's origin, and slack
+  double stale_below_ = std::numeric_limits<double>::infinity();  // [m] then aim anew
+  double offset_ = 0;                                             // [m] of B's origin, and slack
+  double length_ = 1;  // squared, of the direction as rounded
   NodeExtents& extents_a_;
   NodeExtents& extents_b_;
 };

@@ -113,9 +113,9 @@ inline constexpr float kLongWay = 1.5f;
 inline constexpr double kWideTurn = 0.6;
 // [-] Culling in single precision is useless once its slack exceeds this share of the facets' size.
 inline constexpr double kCoarse = 0.1;
-// [-] The direction along which nodes are culled serves until the distance has fallen to this
-// share.
-inline constexpr double kStaleAim = 0.99;
+// [-] The direction along which nodes are culled serves until the distance has fallen by this share
+// of itself or, as far away it hardly changes with the direction, of the smaller body's size.
+inline constexpr double kStaleAim = 0.01;
 // [-] No slice is shorter than this share of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 

@@ -35,7 +35,7 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       motion_(motion),
       meshes_(A.mesh() != nullptr && B.mesh() != nullptr),
       lowest_(kInfinity),
-      aimed_at_(kInfinity) {
+      stale_below_(kInfinity) {
   best_.distance = upper_bound;
   // To begin with, when the bodies' middles are closest.
   const Vec3 from = motion.At(0) * B.bvh().origin - A.bvh().origin, &way = motion.translation();
@@ -45,25 +45,28 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
 
 bool TranslationQuery::Apart(std::int32_t node_a, std::int32_t node_b) {
   if (!meshes_ || best_.index_a < 0) return false;
-  if (best_.distance < kStaleAim * aimed_at_) Aim();
-  const float apart = Extents(0).Least(node_a) + Extents(1).Least(node_b) - offset_;
-  return apart > best_.distance * (1 + kCullingSlack);
+  if (best_.distance < stale_below_) Aim();
+  const double apart = double{Extents(0).Least(node_a)} + Extents(1).Least(node_b) - offset_;
+  return apart > best_.distance * length_;
 }
 
 void TranslationQuery::Aim() {
-  aimed_at_ = best_.distance;
   const Bvh &a = A_.bvh(), &b = B_.bvh();
   const Pose start = motion_.At(0);
-  const Vec3 line_B = -(Transpose(start.R) * line_);
+  stale_below_ = best_.distance - kStaleAim * std::min({best_.distance, a.size, b.size});
   const float n[3]{static_cast<float>(line_.x), static_cast<float>(line_.y),
                    static_cast<float>(line_.z)};
-  const float n_B[3]{static_cast<float>(line_B.x), static_cast<float>(line_B.y),
-                     static_cast<float>(line_B.z)};
+  const Vec3 along{n[0], n[1], n[2]};  // what is rounded must be the same for all
+  const Vec3 along_B = -(Transpose(start.R) * along);
+  const float n_B[3]{static_cast<float>(along_B.x), static_cast<float>(along_B.y),
+                     static_cast<float>(along_B.z)};
   Extents(0).Start(a, n);
   Extents(1).Start(b, n_B);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion_.translation();
-  const double slack = kCullingSlack * (a.size + b.size + std::max(Norm(begin), Norm(end)));
-  offset_ = static_cast<float>(std::max(Dot(line_, begin), Dot(line_, end)) + slack);
+  const double far = std::max(Norm(begin), Norm(end));
+  length_ = Norm(along) * (1 + kTouching);
+  offset_ = std::max(Dot(along, begin), Dot(along, end)) + kCullingSlack * (a.size + b.size) +
+            kTouching * far;
 }
 
 const PosedPair& TranslationQuery::Posed() {

@@ -69,8 +69,9 @@ class TranslationQuery {
   const SweptKernels& kernels_ = ActiveSweptKernels();
   FacetPairs chunk_;
   std::array<double, FacetPairs::kCapacity> estimate_;  // [m] of the chunk's swept distances
-  double aimed_at_;                                     // [m] best distance when last aimed
-  float offset_ = 0;  // [m] of B's origin over the whole way, and slack
+  double stale_below_;  // [m] then the direction of the extents is to be taken anew
+  double offset_ = 0;   // [m] of B's origin over the whole way, and slack
+  double length_ = 1;   // of the direction as rounded
 };
 
 }  // namespace contact_toolkit
