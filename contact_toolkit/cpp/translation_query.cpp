@@ -107,6 +107,7 @@ void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
   for (int i = 0; i < pairs.count; ++i) {
     chunk_.slot_a[i] = pairs.pair[i].slot_a;
     chunk_.slot_b[i] = pairs.pair[i].slot_b;
+    bound_[i] = 0;
   }
   double culled_at = kInfinity;
   const auto cull = [&] {
@@ -119,34 +120,45 @@ void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
     if (chunk_.count > kFewPairs && best_.distance < kStaleCull * culled_at) {
       cull();
     } else {
-      --chunk_.count;
-      MeasureSwept(chunk_.slot_a[chunk_.count], chunk_.slot_b[chunk_.count]);
+      const int last = --chunk_.count;
+      if (bound_[last] < ToBeat()) MeasureSwept(chunk_.slot_a[last], chunk_.slot_b[last]);
     }
   }
 }
 
+double TranslationQuery::ToBeat() const {
+  return best_.distance - std::min(kTouching * start_->size, 0.5 * best_.distance);
+}
+
 void TranslationQuery::CullPrisms() {
   if (chunk_.count == 0) return;
-  // Pairs that could only win by rounding do not matter.
-  const double rounding = std::min(kTouching * start_->size, 0.5 * best_.distance);
   const Vec3& t = motion_.translation();
   const double way[3]{t.x, t.y, t.z};
   const double line[3]{line_.x, line_.y, line_.z};
   kernels_.cull_prisms(A_.bvh().slot_coordinates.data(), B_.bvh().slot_coordinates.data(),
-                       start_->matrix, way, line, best_.distance - rounding, &chunk_);
+                       start_->matrix, way, line, ToBeat(), &chunk_);
+  struct Left {
+    double estimate, bound;
+    std::int32_t slot_a, slot_b;
+  };
+  std::array<Left, FacetPairs::kCapacity> left;
   int kept = 0;
   for (int i = 0; i < chunk_.count; ++i) {
     if (chunk_.distance[i] < 0) continue;
-    estimate_[kept] = chunk_.distance[i];
-    chunk_.slot_a[kept] = chunk_.slot_a[i];
-    chunk_.slot_b[kept++] = chunk_.slot_b[i];
+    left[kept++] = {chunk_.distance[i], bound_[i], chunk_.slot_a[i], chunk_.slot_b[i]};
+  }
+  std::sort(left.begin(), left.begin() + kept,
+            [](const Left& x, const Left& y) { return x.estimate > y.estimate; });
+  for (int i = 0; i < kept; ++i) {
+    chunk_.slot_a[i] = left[i].slot_a;
+    chunk_.slot_b[i] = left[i].slot_b;
+    bound_[i] = left[i].bound;
   }
   chunk_.count = kept;
 }
 
 void TranslationQuery::MeasurePosed() {
   if (chunk_.count == 0) return;
-  const bool first = best_.index_a < 0;  // then no estimates
   MeasureFacetPairs(Posed(), &chunk_);
   const auto least = std::min_element(chunk_.distance, chunk_.distance + chunk_.count);
   if (*least < best_.distance) {
@@ -157,20 +169,14 @@ void TranslationQuery::MeasurePosed() {
     best_.index_a = A_.index(chunk_.slot_a[i]), best_.index_b = B_.index(chunk_.slot_b[i]);
     direction_ = line_ = witness.normal_A;
   }
-  struct Left {
-    double estimate;
-    std::int32_t slot_a, slot_b;
-  };
-  std::array<Left, FacetPairs::kCapacity> left;
   int kept = 0;
   for (int i = 0; i < chunk_.count; ++i) {
-    if (LowerBound(i) > best_.distance) continue;
-    left[kept++] = {first ? chunk_.distance[i] : estimate_[i], chunk_.slot_a[i], chunk_.slot_b[i]};
+    const double bound = LowerBound(i);
+    if (bound > best_.distance) continue;
+    bound_[kept] = bound;
+    chunk_.slot_a[kept] = chunk_.slot_a[i];
+    chunk_.slot_b[kept++] = chunk_.slot_b[i];
   }
-  std::sort(left.begin(), left.begin() + kept,
-            [](const Left& x, const Left& y) { return x.estimate > y.estimate; });
-  for (int i = 0; i < kept; ++i)
-    chunk_.slot_a[i] = left[i].slot_a, chunk_.slot_b[i] = left[i].slot_b;
   chunk_.count = kept;
 }
 

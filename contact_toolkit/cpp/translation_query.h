@@ -45,10 +45,12 @@ class TranslationQuery {
   // By the distance of the boxes there and, as many overlap, of their middles.
   void OrderPosed(const BvhNode& a, const BvhNode& b, float* order);
   void VisitFacets(const LeafPairs& pairs);
+  // [m] Pairs no closer than this could win by rounding only, and do not matter.
+  double ToBeat() const;
   // Of the chunk of facet pairs, these keep those that may come closer than the closest so far:
-  // by planes that separate the others over the whole way,
+  // by planes that separate the others over the whole way, what seems the closest last,
   void CullPrisms();
-  // ... and by their distances and tangents at one time, the least last.
+  // ... and by their distances and tangents at one time.
   void MeasurePosed();
   // Of facet pair i over the whole way, by the tangent there.
   double LowerBound(int i) const;
@@ -68,7 +70,7 @@ class TranslationQuery {
   double posed_time_ = -1;
   const SweptKernels& kernels_ = ActiveSweptKernels();
   FacetPairs chunk_;
-  std::array<double, FacetPairs::kCapacity> estimate_;  // [m] of the chunk's swept distances
+  std::array<double, FacetPairs::kCapacity> bound_;  // [m] from below, of the chunk's pairs
   double stale_below_;  // [m] then the direction of the extents is to be taken anew
   double offset_ = 0;   // [m] of B's origin over the whole way, and slack
   double length_ = 1;   // of the direction as rounded
