@@ -113,7 +113,7 @@ void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
 void AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& near = static_cast<const AreaMemory&>(memory);
   const double motion = near.Motion(PoseOfSampled(X_AB));
-  if (motion > near.slack) return FindSprings(X_AB, springs);
+  if (!(motion <= near.slack)) return FindSprings(X_AB, springs);
   if (smooth_) {
     const SmoothProbe probe(*smooth_, *bounds_, options_.standoff);
     Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
@@ -139,7 +139,7 @@ std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, con
   around.radius = std::max(around.radius, spacing_);
   const double slack = kAreaSlack * spacing_;
   // Gathering must serve at least one more step such as the last.
-  if (2 * MotionAround(around, last_X_PS, X_PS) > slack) return nullptr;
+  if (!(2 * MotionAround(around, last_X_PS, X_PS) <= slack)) return nullptr;
   auto memory = std::make_shared<AreaMemory>();
   memory->X_PS = X_PS;
   memory->around = around;
