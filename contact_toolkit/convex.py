@@ -73,6 +73,9 @@ class ConvexPieces:
         faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
         return self._pieces[i], np.ascontiguousarray(faces, dtype=np.int32)
 
+    def __reduce__(self) -> tuple[type[ConvexPieces], tuple[tuple[Floats, ...]]]:
+        return ConvexPieces, (self._pieces,)
+
     def __len__(self) -> int:
         return len(self._pieces)
 

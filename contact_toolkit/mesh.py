@@ -170,6 +170,11 @@ class CollisionMesh:
         """Return the boxes `depth` levels below the root's children: (n, 2, 3) corners [m]."""
         return self._core.hierarchy_boxes(depth).reshape(-1, 2, 3)
 
+    def __reduce__(self) -> tuple[type[CollisionMesh], tuple[Floats, Ints]]:
+        """Pickle what the mesh was made of: the copy's queries give the same bits."""
+        _, first = np.unique(self.welded, return_index=True)
+        return CollisionMesh, (self.vertices[self.welded], first[self.faces])
+
     def __repr__(self) -> str:
         return f"CollisionMesh({len(self.vertices)} vertices, {len(self.faces)} facets)"
 

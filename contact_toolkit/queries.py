@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -61,8 +62,14 @@ class WitnessPairs:
     def __init__(self, rows: _core.WitnessPairs) -> None:
         self._rows = rows
 
+    def __reduce__(self) -> tuple[type[WitnessPairs], tuple[SimpleNamespace]]:
+        return WitnessPairs, (SimpleNamespace(**self.columns()),)
+
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._rows.distance)
+
+    def __repr__(self) -> str:
+        return f"WitnessPairs({len(self)} rows: {', '.join(_COLUMNS)})"
 
     @property
     def distance(self) -> Floats:
@@ -190,15 +197,16 @@ class WitnessCache:
     """`witness_pairs` along a motion, several times faster while the pose changes little.
 
     Facet pairs are gathered once within a slack beyond the standoff; as long as no point of B has
-    moved through the slack, only they are tested. Where the pose moves so fast that gathering would
-    not pay, queries are answered from scratch. The rows are those of `witness_pairs` bit for bit.
+    moved through the slack, only they are tested. The first query, and those where the pose moves so
+    fast that gathering would not pay, are answered from scratch. The rows are those of `witness_pairs` bit for bit.
     After some queries the next ones allocate nothing, but for the array objects of the columns that
     are read; gathering does. Not to be shared between threads.
 
     Parameters
     ----------
     slack
-        [m], positive; by default a quarter of the standoff of the query that gathers.
+        [m], positive; by default the wider the faster the motion is, up to a quarter of the
+        standoff.
     """
 
     def __init__(self, A: CollisionMesh, B: CollisionMesh, *, slack: float | None = None) -> None:

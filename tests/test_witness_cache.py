@@ -62,7 +62,7 @@ def test_any_slack(slack):
     for _ in range(60):
         X_AB = _stepped(X_AB, rng, turn=1e-3, shift=1e-4)
         _same(cache.witness_pairs(X_AB, 0.005), witness_pairs(A, B, X_AB, 0.005))
-    expected = {1e-9: 1, 1e3: 1}
+    expected = {1e-9: 0, 1e3: 1}
     assert cache.gathered == expected.get(slack, cache.gathered)
 
 
@@ -222,15 +222,15 @@ def test_nearly_parallel_edges_are_rechecked_only():
     """
     pair = peg_in_hole(4)
     A, B = pair.meshes()
-    cache = WitnessCache(A, B)
+    cache = WitnessCache(A, B, slack=1e-4)
     counts = []
-    for tilt in np.linspace(0, 2e-4, 40):
+    for tilt in [0.0, *np.linspace(0, 2e-4, 40)]:
         X_AB = pair.poses["turned"] @ pose(Rotation.from_rotvec([tilt, 0, 0]).as_matrix())
         cached = cache.witness_pairs(X_AB, 5e-4, merge=False)
         _same(cached, witness_pairs(A, B, X_AB, 5e-4, merge=False))
         counts.append((cache.measured, len(cached)))
     assert cache.gathered == 1
-    assert counts[0][0] > 0.3 * counts[0][1]
+    assert counts[1][0] > 0.3 * counts[1][1]
     measured, pairs = np.sum(counts[10:], axis=0)
     assert measured < 0.1 * pairs
 
@@ -243,10 +243,23 @@ def test_too_fast_to_gather(shift, growth):
     for i in range(30):
         X_AB, standoff = pose(p=(0, 0, -0.17 - shift * i)), 0.004 * growth**i
         _same(cache.witness_pairs(X_AB, standoff), witness_pairs(A, B, X_AB, standoff))
-    assert cache.gathered == 1
+    assert cache.gathered == 0
     for _ in range(3):
         _same(cache.witness_pairs(X_AB, standoff), witness_pairs(A, B, X_AB, standoff))
-    assert cache.gathered == 2
+    assert cache.gathered == 1
+
+
+@pytest.mark.parametrize(("steps", "gathered"), [(200, 5), (8000, 33)])
+def test_slack_follows_the_motion(steps, gathered):
+    """A slack too wide for slow motion drags candidates along; one too narrow is soon left.
+
+    On a way of w in steps of s, with the widest slack W: w/W times, or w/(6 sqrt(W s)) if more.
+    """
+    A = CollisionMesh(*mesh_shapes.cube())
+    cache = WitnessCache(A, A)
+    for z in np.linspace(1.0, 1.1, steps):
+        cache.witness_pairs(pose(p=(0.3, 0.2, z)), 0.08)
+    assert gathered <= cache.gathered <= 1.2 * gathered + 1
 
 
 @pytest.mark.parametrize("slack", [0.0, -1.0, np.nan, np.inf])

@@ -1,5 +1,7 @@
 """Every facet pair within the standoff, against brute force: none missed, none invented."""
 
+import pickle
+
 import mesh_shapes
 import numpy as np
 import oracle_brute_force as brute
@@ -300,3 +302,15 @@ def test_not_a_mesh(mesh):
     """Something else than a mesh must not reach the native code."""
     with pytest.raises((TypeError, AttributeError)):
         witness_pairs(_upright_cube(), mesh, np.eye(4), 0.1)
+
+
+def test_to_another_process_and_back():
+    """Results and meshes are sent between processes in sweeps; the copies are as good."""
+    A, B = (CollisionMesh(*shape) for shape in WITNESS_PAIRS["doughnut-cone"])
+    X_AB = pose(p=(0, 0, -0.17))
+    pairs = witness_pairs(A, B, X_AB, 0.01)
+    A, B, copy = pickle.loads(pickle.dumps((A, B, pairs)))
+    assert len(pairs) == len(copy) > 0
+    _same(pairs, copy)
+    _same(pairs, witness_pairs(A, B, X_AB, 0.01))
+    assert "rows: distance" in repr(copy)

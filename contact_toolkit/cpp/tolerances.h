@@ -70,6 +70,11 @@ inline constexpr int kMostInVain = 8;
 // that many queries make up for what gathering costs beyond a query from scratch.
 inline constexpr double kWorthGathering = 4;
 
+// [-] The slack of candidates is this many times the root of the widest slack times the last
+// motion, but no narrower than that share of the widest. With gathering at a dozen coherent queries
+// and candidates doubling over three times the widest slack this is the cheapest.
+inline constexpr double kSlackPerRoot = 6, kNarrowest = 1.0 / 16;
+
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.
 inline constexpr double kParallel = 1e-28;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "facet_pair.h"
@@ -12,6 +13,8 @@
 namespace contact_toolkit {
 
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 FacetCandidates Gather(const PosedPair& pair, double reach) {
   FacetCandidates candidates;
@@ -108,9 +111,16 @@ WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
                            std::shared_ptr<const CollisionMesh> B, double slack)
     : A_(std::move(A)), B_(std::move(B)), slack_(slack) {}
 
-double WitnessCache::SlackAt(double standoff) const {
+double WitnessCache::WidestSlack(double standoff) const {
   if (slack_ > 0) return slack_;
   return standoff > 0 ? standoff / 4 : 1e-3 * std::min(A_->diagonal(), B_->diagonal());
+}
+
+// A wide slack brings more candidates, a narrow one is soon left: the sum of both costs is least
+// where the slack is in proportion to the root of the step.
+double WitnessCache::SlackFor(double step, double widest) const {
+  if (slack_ > 0) return slack_;
+  return std::clamp(kSlackPerRoot * std::sqrt(widest * step), kNarrowest * widest, widest);
 }
 
 void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merge,
@@ -123,15 +133,16 @@ void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merg
 void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs) {
   measured_.Clear();
   if (!candidates_ || !candidates_->Covers(X_AB, standoff)) {
-    const double slack = SlackAt(standoff);
+    const double widest = WidestSlack(standoff);
     const double step =
         last_X_AB_ ? LargestMotion(*B_, *last_X_AB_, X_AB) + std::abs(standoff - last_standoff_)
-                   : 0;
-    if (kWorthGathering * step > slack) {
+                   : kInfinity;
+    if (kWorthGathering * step > widest) {
       candidates_.reset();
       return contact_toolkit::FindWitnessPairs(*A_, *B_, X_AB, standoff, {merge, 1}, pairs);
     }
-    candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, slack);
+    candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff,
+                                                      SlackFor(step, widest));
     ++gathered_;
     toil_ = learnt_ = 0, in_vain_ = 0;
   }

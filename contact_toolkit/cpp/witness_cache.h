@@ -60,12 +60,13 @@ class WitnessCandidates {
 };
 
 // Witness pairs along a motion. Candidates are gathered anew when the pose has left their slack,
-// unless it moves so fast that they would not pay: then queries are answered from scratch. Where
+// unless it moves so fast that they would not pay: then queries are answered from scratch, as is
+// the first, from which nothing is known of the motion. Where
 // many pairs have had to be measured, their features are remembered instead of the old ones.
 // Not to be shared between threads.
 class WitnessCache {
  public:
-  // slack [m]: 0 chooses a quarter of each query's standoff.
+  // slack [m]: 0 chooses one by the motion, at most a quarter of the query's standoff.
   WitnessCache(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const CollisionMesh> B,
                double slack);
 
@@ -77,7 +78,8 @@ class WitnessCache {
   std::size_t measured() const { return measured_.measured.size(); }
 
  private:
-  double SlackAt(double standoff) const;
+  double WidestSlack(double standoff) const;
+  double SlackFor(double step, double widest) const;
   void Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs);
   void LearnIfWorthwhile(const Pose& X_AB);
 
