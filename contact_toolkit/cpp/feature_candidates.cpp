@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -50,6 +49,19 @@ void MergeHalves(Column<std::int32_t>* values, std::ptrdiff_t middle, Less less)
   const auto begin = values->begin(), half = begin + middle;
   std::merge(begin, half, half, values->end(), merged.begin(), less);
   std::copy(merged.begin(), merged.end(), begin);
+}
+
+// Sorts numbers below `limit`, no two of them equal: a bit is set for each, and bits lie in order.
+void SortBelow(std::size_t limit, Column<std::int32_t>* values) {
+  thread_local std::vector<std::uint64_t> words;  // zero between calls
+  words.resize(std::max(words.size(), limit / 64 + 1));
+  for (std::int32_t v : *values) words[v / 64] |= std::uint64_t{1} << (v % 64);
+  auto next = values->begin();
+  for (std::size_t w = 0; next != values->end(); ++w) {
+    for (std::uint64_t bits = std::exchange(words[w], 0); bits != 0; bits &= bits - 1) {
+      *next++ = static_cast<std::int32_t>(64 * w + __builtin_ctzll(bits));
+    }
+  }
 }
 
 }  // namespace
@@ -101,17 +113,15 @@ void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& ca
   for (std::int32_t k : changed) {
     if (place_[k] != kNowhere) Disband(group_at_[place_[k]], &again);
   }
-  std::sort(again.begin(), again.end());
+  SortBelow(candidates.size(), &again);
   std::ranges::set_difference(loners_, changed, std::back_inserter(rest));
   std::swap(loners_, rest);
   rest.clear();
   std::ranges::set_union(again, changed, std::back_inserter(rest));
   const std::size_t first_group = groups_.size(), first_block = blocks_.size();
-  const auto loners = static_cast<std::ptrdiff_t>(loners_.size());
   FormGroups(pair, candidates, rest);
   PackGroups(pair, candidates, first_group);
-  std::sort(loners_.begin() + loners, loners_.end());
-  MergeHalves(&loners_, loners, std::less());
+  SortBelow(candidates.size(), &loners_);
   thread_local Column<FeatureWitness> witnesses;
   for (std::int32_t uncertain : PlaceWitnesses(pair, first_block, kInfinity, &witnesses)) {
     groups_[uncertain].doubtful = true;
@@ -255,15 +265,13 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
     }
   };
   keep_near(loners_);
-  const auto loners = static_cast<std::ptrdiff_t>(alone->size());
   std::size_t changed = 0;
   for (std::int32_t group : PlaceWitnesses(pair, 0, near, witnesses)) {
     const std::size_t before = alone->size();
     keep_near(Members(groups_[group]));
     if (!groups_[group].doubtful) changed += alone->size() - before;
   }
-  std::sort(alone->begin() + loners, alone->end());
-  MergeHalves(alone, loners, std::less());
+  SortBelow(candidates.size(), alone);
   return changed;
 }
 
