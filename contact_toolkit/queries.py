@@ -197,10 +197,10 @@ class WitnessCache:
     """`witness_pairs` along a motion, several times faster while the pose changes little.
 
     Facet pairs are gathered once within a slack beyond the standoff; as long as no point of B has
-    moved through the slack, only they are tested. The first query, and those where the pose moves so
-    fast that gathering would not pay, are answered from scratch. The rows are those of `witness_pairs` bit for bit.
-    After some queries the next ones allocate nothing, but for the array objects of the columns that
-    are read; gathering does. Not to be shared between threads.
+    moved through the slack, only they are tested. The first query, and those where the pose moves
+    so fast that gathering would not pay, are answered from scratch. The rows are those of
+    `witness_pairs` bit for bit. After some queries the next ones allocate nothing, but for the
+    array objects of the columns that are read; gathering does. Not to be shared between threads.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
 """Convex pieces: queries against brute force over pieces, and decomposition in a child process."""
 
+import pickle
 from pathlib import Path
 
 import mesh_shapes
@@ -184,6 +185,13 @@ def test_batches_equal_single_queries():
                 assert (found.p_ACa[i] == one.p_ACa).all()
                 assert (found.index_a[i], found.index_b[i]) == (one.facet_a, one.facet_b)
                 assert touch[i] == intersects(A, B, X)
+
+
+def test_to_another_process_and_back():
+    rng = np.random.default_rng(0)
+    pieces = ConvexPieces([rng.normal(size=(12, 3)), rng.normal(size=(1, 3))])
+    copy = pickle.loads(pickle.dumps(pieces))
+    assert all(np.array_equal(a, b) for a, b in zip(pieces.pieces, copy.pieces, strict=True))
 
 
 def test_hulls_are_closed_and_outward():

@@ -141,8 +141,8 @@ void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessP
       candidates_.reset();
       return contact_toolkit::FindWitnessPairs(*A_, *B_, X_AB, standoff, {merge, 1}, pairs);
     }
-    candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff,
-                                                      SlackFor(step, widest));
+    candidates_ =
+        std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, SlackFor(step, widest));
     ++gathered_;
     toil_ = learnt_ = 0, in_vain_ = 0;
   }
