@@ -262,6 +262,19 @@ def test_slack_follows_the_motion(steps, gathered):
     assert gathered <= cache.gathered <= 1.2 * gathered + 1
 
 
+def test_slack_narrows_once_the_motion_slows_down():
+    """Gathered in flight, kept at rest: candidates far out of reach dragged along for good."""
+    A, B = (CollisionMesh(*shape) for shape in SHAPE_PAIRS["doughnut-cone"])
+    cache = WitnessCache(A, B)
+    gathered = []
+    for z in [*np.linspace(-0.18, -0.17, 30), *np.linspace(-0.17, -0.16999, 500)]:
+        X_AB = pose(p=(0, 0, z))
+        _same(cache.witness_pairs(X_AB, 0.01), witness_pairs(A, B, X_AB, 0.01))
+        gathered.append(cache.gathered)
+    assert gathered[30] > 1
+    assert gathered[-1] == gathered[300] == gathered[30] + 1
+
+
 @pytest.mark.parametrize("slack", [0.0, -1.0, np.nan, np.inf])
 def test_bad_slack(slack):
     A = CollisionMesh(*mesh_shapes.cube())

@@ -74,6 +74,10 @@ inline constexpr double kWorthGathering = 4;
 // motion, but no narrower than that share of the widest. With gathering at a dozen coherent queries
 // and candidates doubling over three times the widest slack this is the cheapest.
 inline constexpr double kSlackPerRoot = 6, kNarrowest = 1.0 / 16;
+// The motion is watched over that many queries, and the slack narrowed if it is that many times as
+// wide as the fastest of them would have it: some such spans later this has paid.
+inline constexpr int kQueriesWatched = 64;
+inline constexpr double kTooWide = 2;
 
 // [-] Two edges count as parallel when sin² of their angle is below this: treating them so moves
 // the witness points apart by less than 1e-14 of the edges' lengths.

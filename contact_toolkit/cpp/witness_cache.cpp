@@ -132,20 +132,23 @@ void WitnessCache::FindWitnessPairs(const Pose& X_AB, double standoff, bool merg
 
 void WitnessCache::Query(const Pose& X_AB, double standoff, bool merge, WitnessPairs* pairs) {
   measured_.Clear();
-  if (!candidates_ || !candidates_->Covers(X_AB, standoff)) {
-    const double widest = WidestSlack(standoff);
-    const double step =
-        last_X_AB_ ? LargestMotion(*B_, *last_X_AB_, X_AB) + std::abs(standoff - last_standoff_)
-                   : kInfinity;
+  const double widest = WidestSlack(standoff);
+  const double step =
+      last_X_AB_ ? LargestMotion(*B_, *last_X_AB_, X_AB) + std::abs(standoff - last_standoff_)
+                 : kInfinity;
+  fastest_ = std::max(fastest_, step);
+  const bool slow = ++queries_ >= kQueriesWatched && kTooWide * SlackFor(fastest_, widest) < width_;
+  if (!candidates_ || slow || !candidates_->Covers(X_AB, standoff)) {
     if (kWorthGathering * step > widest) {
       candidates_.reset();
       return contact_toolkit::FindWitnessPairs(*A_, *B_, X_AB, standoff, {merge, 1}, pairs);
     }
-    candidates_ =
-        std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, SlackFor(step, widest));
+    width_ = SlackFor(slow ? fastest_ : step, widest);
+    candidates_ = std::make_unique<WitnessCandidates>(*A_, *B_, X_AB, standoff, width_);
     ++gathered_;
     toil_ = learnt_ = 0, in_vain_ = 0;
   }
+  if (queries_ >= kQueriesWatched) queries_ = 0, fastest_ = 0;
   candidates_->FindWitnessPairs(X_AB, standoff, merge, pairs, &measured_);
   LearnIfWorthwhile(X_AB);
 }

@@ -61,7 +61,8 @@ class WitnessCandidates {
 
 // Witness pairs along a motion. Candidates are gathered anew when the pose has left their slack,
 // unless it moves so fast that they would not pay: then queries are answered from scratch, as is
-// the first, from which nothing is known of the motion. Where
+// the first, from which nothing is known of the motion. They are gathered anew too when the motion
+// has become too slow for so wide a slack. Where
 // many pairs have had to be measured, their features are remembered instead of the old ones.
 // Not to be shared between threads.
 class WitnessCache {
@@ -88,6 +89,9 @@ class WitnessCache {
   std::unique_ptr<WitnessCandidates> candidates_;
   std::optional<Pose> last_X_AB_;
   double last_standoff_ = 0;
+  double width_ = 0;    // [m] the slack of the candidates
+  double fastest_ = 0;  // [m] the largest of the motions watched
+  int queries_ = 0;     // watched
   MeasuredRows measured_;
   std::size_t toil_ = 0;    // pairs measured for changed features since these were last learnt
   std::size_t learnt_ = 0;  // how many were, by the last query
