@@ -1,5 +1,11 @@
-"""Prints what the accuracy and validation tests measured, and writes it where asked."""
+"""Prints what the accuracy and validation tests measured, and writes it where asked.
 
+In a file with a table between marks, `<!-- accuracy -->` to `<!-- /accuracy -->` say, the rows
+measured replace those of the same names, and the others stay: so README.md is kept up to date,
+even by some of the tests.
+"""
+
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,15 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-_OPTIONS = {
-    "--accuracy-table": "write the table of worst errors there",
-    "--validation-table": "write the table of validation rows there: expected, got, error",
+_TABLES = {
+    "accuracy": "worst errors, as shares of the coordinates' size",
+    "validation": "closed forms and published figures: expected, got, error",
 }
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    for option, purpose in _OPTIONS.items():
-        parser.addoption(option, metavar="FILE", type=Path, help=purpose)
+    for name, title in _TABLES.items():
+        help_text = f"write a table there: {title}"
+        parser.addoption(f"--{name}-table", metavar="FILE", type=Path, help=help_text)
 
 
 def pytest_runtest_makereport(item: pytest.Item) -> None:
@@ -32,26 +39,34 @@ def pytest_runtest_makereport(item: pytest.Item) -> None:
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    def show(option: str, title: str, rows: list[list[str]]) -> None:
-        if len(rows) == 1:
-            return
-        rows.insert(1, ["---"] * len(rows[0]))
-        table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-        terminalreporter.section(title)
-        terminalreporter.write_line(table)
-        if path := config.getoption(option):
-            path.write_text(table + "\n")
+    tables = {"accuracy": _accuracy_rows, "validation": _validation_rows}
+    for name, rows_of in tables.items():
+        head, *rows = rows_of(_recorded(terminalreporter, name))
+        if not rows:
+            continue
+        terminalreporter.section(_TABLES[name])
+        terminalreporter.write_line(_table(head, rows))
+        if path := config.getoption(f"--{name}-table"):
+            _write(path, name, head, rows)
 
-    show(
-        "--accuracy-table",
-        "worst errors, as shares of the coordinates' size",
-        _accuracy_rows(_recorded(terminalreporter, "accuracy")),
-    )
-    show(
-        "--validation-table",
-        "closed forms and published figures",
-        _validation_rows(_recorded(terminalreporter, "validation")),
-    )
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *rows])
+
+
+def _write(path: Path, name: str, head: list[str], rows: list[list[str]]) -> None:
+    text = path.read_text() if path.is_file() else ""
+    between = re.compile(rf"(?<=<!-- {name} -->\n).*?(?=<!-- /{name} -->)", re.DOTALL)
+    if not (found := between.search(text)):
+        path.write_text(_table(head, rows) + "\n")
+        return
+    lines = found[0].splitlines()[2:]
+    old = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    kept = {tuple(row[:2]): row for row in old} | {tuple(row[:2]): row for row in rows}
+    if head[0] == "#":
+        kept = dict(sorted(kept.items(), key=lambda item: int(item[0][0])))
+    table = _table(head, list(kept.values())) + "\n"
+    path.write_text(text[: found.start()] + table + text[found.end() :])
 
 
 def _recorded(terminalreporter: pytest.TerminalReporter, name: str) -> Iterator[Any]:
@@ -75,7 +90,10 @@ def _accuracy_rows(recorded: Iterator[Any]) -> list[list[str]]:
 
 
 def _validation_rows(recorded: Iterator[Any]) -> list[list[str]]:
-    """Sort by row number; numbers may be given as such or, with a unit, as text."""
+    """Sort by row number; numbers may be given as such or, with a unit, as text.
+
+    Of several cases of one name the worst is shown.
+    """
 
     def text(value: object) -> str:
         return value if isinstance(value, str) else f"{value:.5g}"
@@ -83,8 +101,13 @@ def _validation_rows(recorded: Iterator[Any]) -> list[list[str]]:
     def error_text(value: object) -> str:
         return value if isinstance(value, str) else f"{value:.1e}"
 
+    cases: dict[tuple[int, str], list[Any]] = {}
+    for row, experiment, *figures in recorded:
+        cases.setdefault((row, experiment), []).append(figures)
     rows = [["#", "experiment", "expected", "got", "error", "tolerance"]]
-    for row, experiment, expected, got, error, tolerance in sorted(recorded, key=lambda r: r[0]):
-        figures = [text(expected), text(got), error_text(error), error_text(tolerance)]
-        rows.append([str(row), experiment, *figures])
+    for (row, experiment), figures in sorted(cases.items(), key=lambda item: item[0][0]):
+        several = f" (the worst of {len(figures)} cases)" if len(figures) > 1 else ""
+        expected, got, error, tolerance = max(figures, key=lambda f: f[2])
+        found = [text(expected), text(got), error_text(error), error_text(tolerance)]
+        rows.append([str(row), experiment + several, *found])
     return rows
