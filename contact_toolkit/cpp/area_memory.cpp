@@ -1,25 +1,9 @@
 #include "area_memory.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "tolerances.h"
-
 namespace contact_toolkit {
-
-double MotionAround(const Sphere& around, const Pose& before, const Pose& after) {
-  // |ΔR p + Δp|, with the Frobenius norm of ΔR for its spectral norm.
-  Mat3 change;
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) {
-    change.row[i] = after.R.row[i] - before.R.row[i];
-    squared += SquaredNorm(change.row[i]);
-  }
-  const double moved = Norm(change * around.center + (after.p - before.p));
-  const double rounding = kTouching * (Norm(around.center) + around.radius + Norm(after.p));
-  return moved + std::sqrt(squared) * around.radius + rounding;
-}
 
 double AreaMemory::Way(const Vec3& p, double radius) const {
   return slack * std::max(1.0, (Norm(p - around.center) + radius) / around.radius);

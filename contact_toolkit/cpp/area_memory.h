@@ -3,16 +3,13 @@
 #pragma once
 
 #include "area_candidates.h"
+#include "motion_bound.h"
 #include "near_facets.h"
 #include "sphere_tree.h"
 #include "spring_web.h"
 #include "vec.h"
 
 namespace contact_toolkit {
-
-// [m] How far a body moves from one pose to another: at most so far within the sphere, and beyond
-// it in proportion to the distance from its centre.
-double MotionAround(const Sphere& around, const Pose& before, const Pose& after);
 
 struct AreaMemory final : WebMemory {
   Pose X_PS;         // of the sampled body in the probed one, when it was gathered

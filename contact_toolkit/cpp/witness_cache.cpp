@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "facet_pair.h"
+#include "motion_bound.h"
 #include "row_merger.h"
 #include "tolerances.h"
 #include "traversal.h"
@@ -35,18 +36,7 @@ FacetCandidates Gather(const PosedPair& pair, double reach) {
 }  // namespace
 
 double LargestMotion(const CollisionMesh& B, const Pose& before, const Pose& after) {
-  // |ΔR q + Δp| over B's bounding sphere, with the Frobenius norm of ΔR for its spectral norm.
-  Mat3 change;
-  double squared = 0;
-  for (int i = 0; i < 3; ++i) {
-    change.row[i] = after.R.row[i] - before.R.row[i];
-    squared += SquaredNorm(change.row[i]);
-  }
-  const Bvh& b = B.bvh();
-  const double turned = std::sqrt(squared) * Norm(b.half_extent);
-  const double moved = Norm(change * b.origin + (after.p - before.p));
-  const double rounding = kTouching * (Norm(b.origin) + Norm(b.half_extent) + Norm(after.p));
-  return turned + moved + rounding;
+  return MotionAround({B.bvh().origin, Norm(B.bvh().half_extent)}, before, after);
 }
 
 WitnessCandidates::WitnessCandidates(const CollisionMesh& A, const CollisionMesh& B,
