@@ -173,7 +173,7 @@ class CollisionMesh:
     def __reduce__(self) -> tuple[type[CollisionMesh], tuple[Floats, Ints]]:
         """Pickle what the mesh was made of: the copy's queries give the same bits."""
         _, first = np.unique(self.welded, return_index=True)
-        return CollisionMesh, (self.vertices[self.welded], first[self.faces])
+        return CollisionMesh, (self.vertices[self.welded], first.astype(np.int32)[self.faces])
 
     def __repr__(self) -> str:
         return f"CollisionMesh({len(self.vertices)} vertices, {len(self.faces)} facets)"
