@@ -52,7 +52,11 @@ def shim(tmp_path_factory):
 
 def _last_lap(shim, *arguments):
     """Rows in all, and allocations in the last of many laps on a small circle."""
-    environment = os.environ | {"LD_PRELOAD": str(shim), "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = os.environ | {
+        "LD_PRELOAD": str(shim),
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "PYTHONMALLOC": "default",  # not every object by itself, as sanitizers want them
+    }
     command = [sys.executable, "-c", _QUERIES, *arguments]
     output = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     return map(int, output.stdout.split())
