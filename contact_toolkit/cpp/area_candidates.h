@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "area_nodes.h"
+#include "scratch.h"
 #include "vec.h"
 
 namespace contact_toolkit {
@@ -40,11 +41,11 @@ template <typename Near, typename Spares>
 void GatherCandidates(const AreaNodes& sampled, const Near& near, const Spares& spares,
                       AreaCandidates* candidates) {
   constexpr std::int32_t kUnseen = -1, kSeen = 0;
-  thread_local std::vector<std::int32_t> place_of;  // in `nodes`, of each of the patch's
-  thread_local std::vector<std::int32_t> leaves;
+  auto& place_of = Scratch<std::vector<std::int32_t>>([] {});  // in `nodes`, of each of the patch's
+  auto& leaves = Scratch<std::vector<std::int32_t>>([] {});
   auto& [parts, nodes, triangles] = *candidates;
   candidates->Clear();
-  sampled.tree().ForEach(near, [&, &place_of = place_of, &leaves = leaves](std::int32_t index) {
+  sampled.tree().ForEach(near, [&](std::int32_t index) {
     const AreaPatch& patch = sampled.patch(index);
     const auto count = static_cast<std::int32_t>(patch.nodes.size());
     place_of.assign(patch.nodes.size(), kUnseen);

@@ -11,6 +11,7 @@
 #include "area_candidates.h"
 #include "area_web.h"
 #include "clipped_integral.h"
+#include "scratch.h"
 
 namespace contact_toolkit {
 
@@ -26,7 +27,7 @@ class AreaWeb::Loader {
         X_AB_(X_AB),
         X_PS_(web.PoseOfSampled(X_AB)),
         springs_(*springs),
-        scratch_(ScratchOfThread()) {}
+        scratch_(Scratch<Memory>([] {})) {}
 
   // `motion` [m]: the nodes have moved by no more since they were given their clearances.
   void Run(double motion) {
@@ -50,15 +51,11 @@ class AreaWeb::Loader {
     Vec3 p;  // in the probed body
     FieldValue field;
   };
-  struct Scratch {
+  struct Memory {
     std::vector<double> deformation;  // kUnknown unless probed
     std::vector<double> integral;
     std::vector<Probed> probed;
   };
-  static Scratch& ScratchOfThread() {
-    thread_local Scratch scratch;
-    return scratch;
-  }
 
   void ProbeAt(std::int32_t i) {
     Probed& node = scratch_.probed[i];
@@ -146,7 +143,7 @@ class AreaWeb::Loader {
   Probe probe_;
   const Pose X_AB_, X_PS_;
   SpringSet& springs_;
-  Scratch& scratch_;
+  Memory& scratch_;
 };
 
 }  // namespace contact_toolkit

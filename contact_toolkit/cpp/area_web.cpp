@@ -11,6 +11,7 @@
 #include "area_loader.h"
 #include "area_memory.h"
 #include "area_probe.h"
+#include "scratch.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
@@ -101,7 +102,7 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
 }
 
 void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
-  thread_local AreaCandidates candidates;
+  auto& candidates = Scratch<AreaCandidates>([] {});
   WithProbe([&](auto probe) {
     const auto nowhere = [](const Vec3&, double) { return 0.0; };
     Gather(PoseOfSampled(X_AB), nowhere, &probe, &candidates);

@@ -1,10 +1,12 @@
 // Least distance by branch and bound: nearest boxes first, best distance so far as the bound.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "facet_pair.h"
 #include "node_extents.h"
+#include "scratch.h"
 #include "tolerances.h"
 #include "witness.h"
 
@@ -82,8 +84,7 @@ class Search {
 
  private:
   static NodeExtents& Extents(int side) {
-    thread_local NodeExtents extents[2];
-    return extents[side];
+    return Scratch<std::array<NodeExtents, 2>>([] {})[side];
   }
 
   // Whether two nodes lie farther apart than the best distance along the line of the best pair.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scratch.h"
 #include "simd/lanes.h"
 #include "tolerances.h"
 
@@ -145,8 +146,8 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
                                  careful, pairs);
   };
   measure(false, chunk);
-  thread_local FacetPairs again;
-  thread_local int where[FacetPairs::kCapacity];
+  auto& again = Scratch<FacetPairs>([] {});
+  int where[FacetPairs::kCapacity];
   const auto measure_again = [&](const auto& wanted, const auto& kernel) {
     again.count = 0;
     for (int k = 0; k < chunk->count; ++k) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scratch.h"
 #include "tolerances.h"
 #include "witness_cache.h"
 
@@ -53,7 +54,7 @@ FacetWeb::FacetWeb(std::shared_ptr<const CollisionMesh> A, std::shared_ptr<const
       weighting_(weighting) {}
 
 void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
-  thread_local WitnessPairs pairs;
+  auto& pairs = Scratch<WitnessPairs>([] {});
   FindWitnessPairs(*A_, *B_, X_AB, standoff_, {}, &pairs);
   Load(pairs, springs);
 }
@@ -61,8 +62,8 @@ void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
 void FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& candidates = static_cast<const Candidates&>(memory).pairs;
   if (!candidates.Covers(X_AB, standoff_)) return FindSprings(X_AB, springs);
-  thread_local WitnessPairs pairs;
-  thread_local MeasuredRows measured;
+  auto& pairs = Scratch<WitnessPairs>([] {});
+  auto& measured = Scratch<MeasuredRows>([] {});
   candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs, &measured);
   Load(pairs, springs);
 }

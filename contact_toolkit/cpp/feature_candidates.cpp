@@ -1,6 +1,7 @@
 #include "feature_candidates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -9,6 +10,7 @@
 
 #include "feature_side.h"
 #include "merge_table.h"
+#include "scratch.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
@@ -24,12 +26,9 @@ struct FeatureCandidates::Sides {
   FeatureSide a, b;
   double longest;  // [m] of all edges
 
-  // A number to bring groups with the same features, and as many ways, together by.
-  std::uint64_t Kind() const {
-    return a.corners.size() << 48 | b.corners.size() << 32 | a.ways.size() << 16 | b.ways.size();
-  }
-  bool SameFeatures(const Sides& other) const {
-    return a.corners.size() == other.a.corners.size() && b.corners.size() == other.b.corners.size();
+  bool SameFeatures(const Group& other) const {
+    return group->features.a.kind == other.features.a.kind &&
+           group->features.b.kind == other.features.b.kind;
   }
 };
 
@@ -44,7 +43,7 @@ bool CanTouchAtOnePoint(const FeaturePair& features) {
 // As std::inplace_merge, but with a buffer that stays.
 template <class Less>
 void MergeHalves(Column<std::int32_t>* values, std::ptrdiff_t middle, Less less) {
-  thread_local Column<std::int32_t> merged;
+  auto& merged = Scratch<Column<std::int32_t>>([] {});
   merged.resize(values->size());
   const auto begin = values->begin(), half = begin + middle;
   std::merge(begin, half, half, values->end(), merged.begin(), less);
@@ -53,7 +52,7 @@ void MergeHalves(Column<std::int32_t>* values, std::ptrdiff_t middle, Less less)
 
 // Sorts numbers below `limit`, no two of them equal: a bit is set for each, and bits lie in order.
 void SortBelow(std::size_t limit, Column<std::int32_t>* values) {
-  thread_local std::vector<std::uint64_t> words;  // zero between calls
+  auto& words = Scratch<std::vector<std::uint64_t>>([] {});  // zero between calls
   words.resize(std::max(words.size(), limit / 64 + 1));
   for (std::int32_t v : *values) words[v / 64] |= std::uint64_t{1} << (v % 64);
   auto next = values->begin();
@@ -108,7 +107,8 @@ FeatureCandidates::FeatureCandidates(const PosedPair& pair, const FacetCandidate
 
 void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& candidates,
                                 std::span<const std::int32_t> changed) {
-  thread_local Column<std::int32_t> again, rest;
+  auto& again = Scratch<Column<std::int32_t>>([] {});
+  auto& rest = Scratch<Column<std::int32_t>>([] {});
   again.clear(), rest.clear();
   for (std::int32_t k : changed) {
     if (place_[k] != kNowhere) Disband(group_at_[place_[k]], &again);
@@ -122,7 +122,7 @@ void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& ca
   FormGroups(pair, candidates, rest);
   PackGroups(pair, candidates, first_group);
   SortBelow(candidates.size(), &loners_);
-  thread_local Column<FeatureWitness> witnesses;
+  auto& witnesses = Scratch<Column<FeatureWitness>>([] {});
   for (std::int32_t uncertain : PlaceWitnesses(pair, first_block, kInfinity, &witnesses)) {
     groups_[uncertain].doubtful = true;
   }
@@ -136,15 +136,24 @@ void FeatureCandidates::Regroup(const PosedPair& pair, const FacetCandidates& ca
   });
 }
 
+std::size_t FeatureCandidates::Certain() const {
+  std::size_t certain = 0;
+  for (const std::int32_t g : order_) certain += groups_[g].doubtful ? 0 : groups_[g].count;
+  return certain;
+}
+
 void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates& candidates,
                                    std::span<const std::int32_t> members) {
   const Bvh &a = pair.A.bvh(), &b = pair.B.bvh();
-  thread_local MergeTable table;
+  auto& table = Scratch<MergeTable>([] {});
   table.Clear();
-  thread_local Column<std::int32_t> group, filled;
+  auto& group = Scratch<Column<std::int32_t>>([] {});
+  auto& filled = Scratch<Column<std::int32_t>>([] {});
   group.assign(members.size(), -1);
   const std::size_t first_group = groups_.size();
   for (std::size_t i = 0; i < members.size(); ++i) {
+    constexpr std::size_t kAhead = 8;
+    table.Prefetch(candidates.features[members[std::min(i + kAhead, members.size() - 1)]].key());
     const std::int32_t k = members[i];
     const FeaturePair& features = candidates.features[k];
     if (!CanTouchAtOnePoint(features) || a.slot_thin[candidates.slot_a[k]] ||
@@ -175,64 +184,73 @@ void FeatureCandidates::FormGroups(const PosedPair& pair, const FacetCandidates&
 
 void FeatureCandidates::PackGroups(const PosedPair& pair, const FacetCandidates& candidates,
                                    std::size_t first) {
-  thread_local std::vector<Sides> sides;
-  sides.resize(std::max(sides.size(), std::min(kWindow, groups_.size() - first)));
-  thread_local std::vector<std::pair<std::uint64_t, Sides*>> order;
-  thread_local std::vector<Sides*> lanes;
+  auto& lanes = Scratch<std::array<Sides, kBvhWidth>>([] {});
+  std::size_t filled = 0;
+  const auto pack = [&] {
+    if (filled > 0) PackBlock({lanes.data(), filled}, candidates);
+    filled = 0;
+  };
   for (std::size_t begin = first; begin < groups_.size(); begin += kWindow) {
-    order.clear();
-    const std::size_t count = std::min(kWindow, groups_.size() - begin);
-    for (std::size_t g = 0; g < count; ++g) {
-      Sides& s = sides[g];
-      s.group = &groups_[begin + g];
-      s.a.Start(pair.A, s.group->features.a);
-      s.b.Start(pair.B, s.group->features.b);
-      for (std::int32_t member : Members(*s.group)) {
+    const std::size_t end = std::min(begin + kWindow, groups_.size());
+    for (Group* group : SortedByKind({groups_.data() + begin, end - begin})) {
+      if (filled == lanes.size() || (filled > 0 && !lanes[0].SameFeatures(*group))) pack();
+      Sides& s = lanes[filled];
+      const auto members = Members(*group);
+      s.group = group;
+      s.a.Start(pair.A, group->features.a);
+      s.b.Start(pair.B, group->features.b);
+      for (const std::int32_t member : members) {
         s.a.AddFacet(candidates.slot_a[member]);
         s.b.AddFacet(candidates.slot_b[member]);
       }
       s.longest = std::sqrt(std::max(s.a.squared_longest, s.b.squared_longest));
       if (s.longest > kTinyFacet * pair.size) {
-        order.emplace_back(s.Kind(), &s);
+        ++filled;
       } else {
-        const auto members = Members(*s.group);
         loners_.insert(loners_.end(), members.begin(), members.end());
       }
     }
-    std::sort(order.begin(), order.end());
-    for (const auto& [kind, s] : order) {
-      if (lanes.size() == kBvhWidth || (!lanes.empty() && !s->SameFeatures(*lanes[0]))) {
-        PackBlock(lanes, candidates);
-        lanes.clear();
-      }
-      lanes.push_back(s);
-    }
-    if (!lanes.empty()) PackBlock(lanes, candidates);
-    lanes.clear();
+    pack();
   }
 }
 
-void FeatureCandidates::PackBlock(std::span<Sides* const> lanes,
-                                  const FacetCandidates& candidates) {
+// The groups, at most kWindow, so that those that fill a block well are together: with the same
+// kinds of features, and as many pairs, hence about as many ways.
+std::span<FeatureCandidates::Group*> FeatureCandidates::SortedByKind(std::span<Group> groups) {
+  static constexpr std::size_t kMostPairs = 16, kKinds = 9 * kMostPairs;
+  const auto kind = [](const Group& group) {
+    const auto dimension = [](const Feature& f) { return static_cast<std::size_t>(f.kind); };
+    return (dimension(group.features.a) * 3 + dimension(group.features.b)) * kMostPairs +
+           std::min<std::size_t>(group.count, kMostPairs) - 1;
+  };
+  std::array<std::uint16_t, kKinds + 1> place{};  // where the next of each kind belongs
+  for (const Group& group : groups) ++place[kind(group) + 1];
+  for (std::size_t k = 1; k <= kKinds; ++k) place[k] += place[k - 1];
+  auto& sorted = Scratch<std::array<Group*, kWindow>>([] {});
+  for (Group& group : groups) sorted[place[kind(group)]++] = &group;
+  return {sorted.data(), groups.size()};
+}
+
+void FeatureCandidates::PackBlock(std::span<const Sides> lanes, const FacetCandidates& candidates) {
   FeatureBlock block{};
   block.first_row = static_cast<std::int64_t>(rows_.size());
   block.nearest = kInfinity;
-  block.corners_a = static_cast<std::int32_t>(lanes[0]->a.corners.size());
-  block.corners_b = static_cast<std::int32_t>(lanes[0]->b.corners.size());
-  for (const Sides* s : lanes) {
-    block.ways_a = std::max(block.ways_a, static_cast<std::int32_t>(s->a.ways.size()));
-    block.ways_b = std::max(block.ways_b, static_cast<std::int32_t>(s->b.ways.size()));
-    for (std::int32_t member : Members(*s->group)) {
+  block.corners_a = static_cast<std::int32_t>(lanes[0].a.corners.size());
+  block.corners_b = static_cast<std::int32_t>(lanes[0].b.corners.size());
+  for (const Sides& s : lanes) {
+    block.ways_a = std::max(block.ways_a, static_cast<std::int32_t>(s.a.ways.size()));
+    block.ways_b = std::max(block.ways_b, static_cast<std::int32_t>(s.b.ways.size()));
+    for (std::int32_t member : Members(*s.group)) {
       block.nearest = std::min(block.nearest, candidates.distance[member]);
     }
   }
   BlockWriter writer(&rows_, block);
   for (std::size_t lane = 0; lane < kBvhWidth; ++lane) {
-    writer.Write(static_cast<int>(lane), *lanes[std::min(lane, lanes.size() - 1)]);
+    writer.Write(static_cast<int>(lane), lanes[std::min(lane, lanes.size() - 1)]);
     const auto place = static_cast<std::int32_t>(group_at_.size());
     group_at_.push_back(-1);
     if (lane >= lanes.size()) continue;
-    Group& group = *lanes[lane]->group;
+    Group& group = *lanes[lane].group;
     group_at_.back() = static_cast<std::int32_t>(&group - groups_.data());
     group.place = place;
     for (std::int32_t member : Members(group)) place_[member] = place;
@@ -278,8 +296,8 @@ std::size_t FeatureCandidates::Measure(const PosedPair& pair, const FacetCandida
 const Column<std::int32_t>& FeatureCandidates::PlaceWitnesses(
     const PosedPair& pair, std::size_t first_block, double near,
     Column<FeatureWitness>* witnesses) const {
-  thread_local Column<std::uint8_t> uncertain;
-  thread_local Column<std::int32_t> groups;
+  auto& uncertain = Scratch<Column<std::uint8_t>>([] {});
+  auto& groups = Scratch<Column<std::int32_t>>([] {});
   if (uncertain.size() < blocks_.size()) uncertain.resize(blocks_.size());
   if (witnesses->size() < group_at_.size()) witnesses->resize(group_at_.size());
   pair.kernels.feature_distances(

@@ -48,6 +48,9 @@ class FeatureCandidates {
   // Whether regrouping has left so much behind that forming all groups anew is better.
   bool Sparse() const { return groups_.size() > 4 * static_cast<std::size_t>(formed_) + kWindow; }
 
+  // How many candidates are certainly closest at their features where these were remembered.
+  std::size_t Certain() const;
+
   const Group& group(std::int32_t index) const { return groups_[index]; }
 
   // By their first candidate.
@@ -76,7 +79,8 @@ class FeatureCandidates {
   void FormGroups(const PosedPair& pair, const FacetCandidates& candidates,
                   std::span<const std::int32_t> members);
   void PackGroups(const PosedPair& pair, const FacetCandidates& candidates, std::size_t first);
-  void PackBlock(std::span<Sides* const> lanes, const FacetCandidates& candidates);
+  static std::span<Group*> SortedByKind(std::span<Group> groups);
+  void PackBlock(std::span<const Sides> lanes, const FacetCandidates& candidates);
   void Disband(std::int32_t group, Column<std::int32_t>* members);
 
   // The place of what has no witness: its distance is infinite.

@@ -15,11 +15,14 @@ namespace contact_toolkit {
 class FeatureSide {
  public:
   void Start(const CollisionMesh& mesh, const Feature& feature) {
-    mesh_ = &mesh;
-    feature_ = feature;
+    bvh_ = &mesh.bvh();
+    is_facet_ = feature.kind == FeatureKind::kFacet;
+    ends_ = feature.kind == FeatureKind::kEdge
+                ? mesh.edges()[feature.index]
+                : CollisionMesh::Couple{feature.index, feature.index};
     corners.clear();
     ways.clear();
-    ends_.clear();
+    beyond_.clear();
     squared_longest = 0;
     last_slot_ = -1;
   }
@@ -27,20 +30,19 @@ class FeatureSide {
   void AddFacet(std::int32_t slot) {
     if (slot == last_slot_) return;
     last_slot_ = slot;
-    const double* at = &mesh_->bvh().slot_coordinates[9 * static_cast<std::size_t>(slot)];
-    const auto& vertices = mesh_->bvh().slot_vertices[slot];
+    const double* at = &bvh_->slot_coordinates[9 * static_cast<std::size_t>(slot)];
+    const auto& vertices = bvh_->slot_vertices[slot];
     const Vec3 p[3] = {{at[0], at[1], at[2]}, {at[3], at[4], at[5]}, {at[6], at[7], at[8]}};
     for (const Vec3& edge : {p[1] - p[0], p[2] - p[1], p[2] - p[0]}) {
       squared_longest = std::max(squared_longest, SquaredNorm(edge));
     }
-    if (corners.empty()) {
-      for (int c = 0; c < 3; ++c) {
-        if (Carries(vertices[c])) corners.push_back(p[c]);
-      }
+    const bool first = corners.empty();
+    for (int c = 0; first && c < 3; ++c) {
+      if (Carries(vertices[c])) corners.push_back(p[c]);
     }
     for (int c = 0; c < 3; ++c) {
-      if (Carries(vertices[c]) || std::ranges::count(ends_, vertices[c]) > 0) continue;
-      ends_.push_back(vertices[c]);
+      if (Carries(vertices[c]) || std::ranges::count(beyond_, vertices[c]) > 0) continue;
+      beyond_.push_back(vertices[c]);
       ways.push_back(p[c] - corners[0]);
     }
   }
@@ -51,16 +53,14 @@ class FeatureSide {
 
  private:
   bool Carries(std::int32_t vertex) const {
-    if (feature_.kind == FeatureKind::kFacet) return true;
-    if (feature_.kind == FeatureKind::kVertex) return vertex == feature_.index;
-    const CollisionMesh::Couple& ends = mesh_->edges()[feature_.index];
-    return vertex == ends[0] || vertex == ends[1];
+    return is_facet_ || vertex == ends_[0] || vertex == ends_[1];
   }
 
-  const CollisionMesh* mesh_ = nullptr;
-  Feature feature_{};
+  const Bvh* bvh_ = nullptr;
+  bool is_facet_ = false;
+  CollisionMesh::Couple ends_{};  // vertices of the feature, unless it is a facet
   std::int32_t last_slot_ = -1;
-  std::vector<std::int32_t> ends_;
+  std::vector<std::int32_t> beyond_;  // vertices the ways lead to
 };
 
 }  // namespace contact_toolkit

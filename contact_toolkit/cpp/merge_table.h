@@ -15,6 +15,11 @@ class MergeTable {
     if (++query_ == 0) entries_.assign(entries_.size(), Entry{}), query_ = 1;
   }
 
+  // Fetches what Find() will look at, some calls ahead.
+  void Prefetch(std::uint64_t key) const {
+    if (!entries_.empty()) __builtin_prefetch(&entries_[Home(key)]);
+  }
+
   // The row kept under a key that has been looked for before, null when it has not.
   std::int32_t* Known(std::uint64_t key) {
     if (used_ == 0) return nullptr;
@@ -40,9 +45,13 @@ class MergeTable {
     std::uint32_t query = 0;  // the one that filled it; other than the current one: empty
   };
 
+  std::size_t Home(std::uint64_t key) const {
+    return (key * 0x9e3779b97f4a7c15ull >> 32) & (entries_.size() - 1);
+  }
+
   Entry* Slot(std::uint64_t key) {
     const std::size_t mask = entries_.size() - 1;
-    std::size_t at = (key * 0x9e3779b97f4a7c15ull >> 32) & mask;
+    std::size_t at = Home(key);
     while (entries_[at].query == query_ && entries_[at].key != key) at = (at + 1) & mask;
     return &entries_[at];
   }

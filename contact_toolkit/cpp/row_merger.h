@@ -12,6 +12,7 @@
 #include "feature_candidates.h"
 #include "merge_table.h"
 #include "row_writer.h"
+#include "scratch.h"
 #include "witness.h"
 
 namespace contact_toolkit {
@@ -33,7 +34,7 @@ struct MeasuredRows {
   // Measures the candidates in `measured`.
   void Measure(const PosedPair& pair, const FacetCandidates& candidates, double standoff) {
     RowWriter write{pair, standoff, false, nullptr, &rows};
-    thread_local FacetPairs chunk;
+    auto& chunk = Scratch<FacetPairs>([] {});
     for (std::size_t begin = 0; begin < measured.size(); begin += chunk.count) {
       chunk.count =
           static_cast<int>(std::min<std::size_t>(FacetPairs::kCapacity, measured.size() - begin));
@@ -99,7 +100,7 @@ class RowMerger {
   void WriteMerged() {
     const std::size_t alone = measured_.rows.size();
     rows_.Resize(alone + features_.order().size());
-    thread_local MergeTable table;
+    auto& table = Scratch<MergeTable>([] {});
     table.Clear();
     const Target to(&rows_);
     std::int32_t next = 0;

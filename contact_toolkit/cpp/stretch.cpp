@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "scratch.h"
 #include "stretch_exchange.h"
 
 namespace contact_toolkit {
@@ -28,8 +29,9 @@ Vec3 StretchSinceLastStep(const Vec3& p_AC, double deformation, const Vec3& norm
 
 void FindStretches(const SpringWeb& web, const SpringSet& springs, const Pose& X_AB,
                    const AnchorSet* anchors, const Pose* last_X_AB, std::span<Stretch> stretches) {
-  thread_local std::vector<double> kept;        // how much of its stiffness each anchor has left
-  thread_local std::vector<std::size_t> grown;  // springs stiffer than their anchor, or without
+  // How much of its stiffness each anchor has left; springs stiffer than their anchor, or without.
+  auto& kept = Scratch<std::vector<double>>([] {});
+  auto& grown = Scratch<std::vector<std::size_t>>([] {});
   kept.assign(anchors ? anchors->anchors().size() : 0, 0.0);
   grown.clear();
   std::size_t next = 0;  // where the anchor is, if springs and anchors are in the same order

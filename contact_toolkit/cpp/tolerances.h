@@ -1,6 +1,8 @@
 // Every tolerance and limit of the core, with its unit, its reason and what breaks without it.
 #pragma once
 
+#include <cstddef>
+
 namespace contact_toolkit {
 
 // [m] Coordinates beyond this are refused: squared lengths must stay within single precision's
@@ -59,10 +61,12 @@ inline constexpr double kTinyFacet = 1e-7;
 // changed features: some steps later that has cost as much as gathering anew.
 inline constexpr double kWorn = 0.25;
 
-// [-] Features are learnt anew when this many times as many pairs have been measured as in the last
-// query, because of changed features: about what learning costs. But not for a few.
-inline constexpr int kLearning = 2;
-inline constexpr int kWorthLearning = 100;
+// [-] Features are learnt anew when this share of all pairs has been measured because of changed
+// features: about what learning costs beyond that of each pair learnt. But not for a few.
+inline constexpr double kLearning = 0.08;
+inline constexpr double kWorthLearning = 200;
+// So many pairs tell whether they are certain enough to be learnt.
+inline constexpr std::size_t kLearningSample = 64;
 // Where it has been in vain so many times in a row, learning is put off no longer than that.
 inline constexpr int kMostInVain = 8;
 

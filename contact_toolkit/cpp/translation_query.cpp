@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "node_extents.h"
+#include "scratch.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
@@ -22,8 +23,7 @@ constexpr int kFewPairs = 2;
 
 // Of A (0) and of B (1).
 NodeExtents& Extents(int side) {
-  thread_local NodeExtents extents[2];
-  return extents[side];
+  return Scratch<std::array<NodeExtents, 2>>([] {})[side];
 }
 
 }  // namespace

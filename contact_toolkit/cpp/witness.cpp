@@ -7,6 +7,7 @@
 #include "merge_table.h"
 #include "parallel.h"
 #include "row_writer.h"
+#include "scratch.h"
 #include "tolerances.h"
 #include "traversal.h"
 
@@ -78,12 +79,12 @@ void FindInParallel(const PosedPair& pair, double standoff, const WitnessOptions
   const std::vector<NodePair> tasks = Split(pair, standoff, 16 * options.threads);
   std::vector<WitnessPairs> found(tasks.size());
   ParallelFor(static_cast<int>(tasks.size()), options.threads, [&](int i, int) {
-    thread_local MergeTable table;
+    auto& table = Scratch<MergeTable>([] {});
     table.Clear();
     RowWriter writer{pair, standoff, options.merge, &table, &found[i]};
     Traversal(pair, standoff, &writer).Run(tasks[i]);
   });
-  thread_local MergeTable table;
+  auto& table = Scratch<MergeTable>([] {});
   table.Clear();
   for (const WitnessPairs& part : found) AppendRows(part, options.merge, &table, pairs);
 }
@@ -122,7 +123,7 @@ void FindWitnessPairs(const CollisionMesh& A, const CollisionMesh& B, const Pose
     FindInParallel(pair, standoff, options, pairs);
     return;
   }
-  thread_local MergeTable table;
+  auto& table = Scratch<MergeTable>([] {});
   table.Clear();
   RowWriter writer{pair, standoff, options.merge, &table, pairs};
   Traversal(pair, standoff, &writer).Run({0, 0});

@@ -8,6 +8,7 @@
 #include "facet_pair.h"
 #include "motion_bound.h"
 #include "row_merger.h"
+#include "scratch.h"
 #include "tolerances.h"
 #include "traversal.h"
 
@@ -52,7 +53,7 @@ void WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool
                                          WitnessPairs* pairs, MeasuredRows* measured) const {
   pairs->Resize(0);
   const PosedPair pair(A_, B_, X_AB);
-  thread_local Column<FeatureWitness> witnesses;
+  auto& witnesses = Scratch<Column<FeatureWitness>>([] {});
   measured->Clear();
   features_.Measure(pair, candidates_, standoff + Motion(X_AB), &witnesses, &measured->measured);
   measured->Measure(pair, candidates_, standoff);
@@ -65,19 +66,19 @@ void WitnessCandidates::FindWitnessPairs(const Pose& X_AB, double standoff, bool
 }
 
 bool WitnessCandidates::Worn(const Pose& X_AB, double standoff) const {
-  thread_local Column<FeatureWitness> witnesses;
-  thread_local Column<std::int32_t> alone;
+  auto& witnesses = Scratch<Column<FeatureWitness>>([] {});
+  auto& alone = Scratch<Column<std::int32_t>>([] {});
   const std::size_t changed = features_.Measure(PosedPair(A_, B_, X_AB), candidates_,
                                                 standoff + Motion(X_AB), &witnesses, &alone);
   return changed > kWorn * static_cast<double>(size());
 }
 
 void WitnessCandidates::Learn(const Pose& X_AB, const MeasuredRows& measured) {
-  thread_local Column<std::int32_t> changed;
+  auto& changed = Scratch<Column<std::int32_t>>([] {});
   changed.clear();
   for (std::size_t i = 0; i < measured.measured.size(); ++i) {
+    if (!HasChanged(measured, i)) continue;
     const std::int32_t k = measured.measured[i];
-    if (candidates_.features[k].key() == measured.features[i].key()) continue;
     candidates_.features[k] = measured.features[i];
     changed.push_back(k);
   }
@@ -92,9 +93,24 @@ void WitnessCandidates::Learn(const Pose& X_AB, const MeasuredRows& measured) {
 std::size_t WitnessCandidates::Changed(const MeasuredRows& measured) const {
   std::size_t changed = 0;
   for (std::size_t i = 0; i < measured.measured.size(); ++i) {
-    changed += candidates_.features[measured.measured[i]].key() != measured.features[i].key();
+    changed += HasChanged(measured, i);
   }
   return changed;
+}
+
+bool WitnessCandidates::MostlyCertain(const Pose& X_AB, const MeasuredRows& measured) const {
+  const std::size_t stride = 1 + measured.measured.size() / kLearningSample;
+  FacetCandidates sample;
+  for (std::size_t i = 0; i < measured.measured.size(); i += stride) {
+    if (!HasChanged(measured, i)) continue;
+    const std::int32_t k = measured.measured[i];
+    sample.slot_a.push_back(candidates_.slot_a[k]);
+    sample.slot_b.push_back(candidates_.slot_b[k]);
+    sample.distance.push_back(candidates_.distance[k]);
+    sample.features.push_back(measured.features[i]);
+  }
+  const FeatureCandidates features(PosedPair(A_, B_, X_AB), sample);
+  return 2 * features.Certain() > sample.size();
 }
 
 WitnessCache::WitnessCache(std::shared_ptr<const CollisionMesh> A,
@@ -152,11 +168,14 @@ void WitnessCache::LearnIfWorthwhile(const Pose& X_AB) {
     learnt_ = 0;
   }
   toil_ += changed;
-  const std::size_t patience = std::size_t{1} << std::max(0, in_vain_ - 1);
-  if (toil_ < kLearning * patience * std::max<std::size_t>(changed, kWorthLearning)) return;
+  const double patience = std::ldexp(1.0, std::max(0, in_vain_ - 1));
+  const double cost =
+      std::max(kLearning * static_cast<double>(candidates_->size()), kWorthLearning);
+  if (static_cast<double>(toil_) < patience * cost) return;
+  toil_ = 0;
+  if (!candidates_->MostlyCertain(X_AB, measured_)) return;
   candidates_->Learn(X_AB, measured_);
   learnt_ = changed;
-  toil_ = 0;
 }
 
 }  // namespace contact_toolkit

@@ -42,12 +42,20 @@ class WitnessCandidates {
   // How many of the measured pairs were found on other features than are remembered.
   std::size_t Changed(const MeasuredRows& measured) const;
 
+  // Whether most of these, judged by a few of them, are closest at the features found. Elsewhere,
+  // as on exactly parallel faces, rounding decides features, and they are not worth remembering.
+  bool MostlyCertain(const Pose& X_AB, const MeasuredRows& measured) const;
+
   // Remembers what was found instead.
   void Learn(const Pose& X_AB, const MeasuredRows& measured);
 
   std::size_t size() const { return candidates_.size(); }
 
  private:
+  bool HasChanged(const MeasuredRows& measured, std::size_t i) const {
+    return candidates_.features[measured.measured[i]].key() != measured.features[i].key();
+  }
+
   // [m] How far B has moved since the reference pose.
   double Motion(const Pose& X_AB) const { return LargestMotion(B_, X_AB_, X_AB); }
 
