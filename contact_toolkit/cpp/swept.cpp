@@ -42,6 +42,7 @@ SweptDistance FindSweptDistance(const ConvexLeaves& A, const ConvexLeaves& B, co
   if (!motion.rotates()) {
     TranslationQuery query(A, B, motion, upper_bound);
     SweptSearch(A, B, motion, 1, false, &query).Run();
+    query.Finish();
     return query.Answer();
   }
   RotationQuery query(A, B, motion, std::max(tolerance, RoundingOf(A, B, motion)), upper_bound);

@@ -16,6 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // [-] Weight of the squared distance of the boxes' middles beside that of the boxes.
 constexpr float kMiddles = 0.03f;
+// [-] A way longer than this many halves of the smaller body passes by rather than sets out.
+constexpr double kPassing = 1;
 // Pairs of facets are culled again once the distance has fallen to this share,
 constexpr double kStaleCull = 0.95;
 // ... unless so few are left that measuring them is as cheap.
@@ -37,9 +39,11 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       lowest_(kInfinity),
       stale_below_(kInfinity) {
   best_.distance = upper_bound;
-  // To begin with, when the bodies' middles are closest.
+  // To begin with, the start; but of a long way, when the bodies' middles are closest.
   const Vec3 from = motion.At(0) * B.bvh().origin - A.bvh().origin, &way = motion.translation();
-  if (!motion.still()) best_.time = std::clamp(-Dot(from, way) / SquaredNorm(way), 0.0, 1.0);
+  if (Norm(way) > kPassing * std::min(A.bvh().size, B.bvh().size)) {
+    best_.time = std::clamp(-Dot(from, way) / SquaredNorm(way), 0.0, 1.0);
+  }
   if (meshes_) start_.emplace(*A.mesh(), *B.mesh(), motion.At(0));
 }
 
@@ -109,19 +113,42 @@ void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
     chunk_.slot_b[i] = pairs.pair[i].slot_b;
     bound_[i] = 0;
   }
-  double culled_at = kInfinity;
-  const auto cull = [&] {
-    culled_at = best_.distance;
+  if (best_.index_a >= 0) {
     CullPrisms();
-  };
-  if (best_.index_a >= 0) cull();
-  MeasurePosed();
+    MeasurePosed();
+  } else {
+    MeasurePosed();
+    CullPrisms();
+  }
+  if (chunk_.count == 0) return;
+  MeasureLast();
+  for (int i = 0; i < chunk_.count; ++i) {
+    if (!(bound_[i] < ToBeat())) continue;
+    put_off_.slot_a[put_off_.count] = chunk_.slot_a[i];
+    put_off_.slot_b[put_off_.count] = chunk_.slot_b[i];
+    put_off_.bound[put_off_.count++] = bound_[i];
+  }
+  if (put_off_.count + kBvhWidth * kBvhWidth > FacetPairs::kCapacity) Finish();
+}
+
+void TranslationQuery::MeasureLast() {
+  const int last = --chunk_.count;
+  if (bound_[last] < ToBeat()) MeasureSwept(chunk_.slot_a[last], chunk_.slot_b[last]);
+}
+
+void TranslationQuery::Finish() {
+  chunk_.count = put_off_.count;
+  std::copy_n(put_off_.slot_a.begin(), put_off_.count, chunk_.slot_a);
+  std::copy_n(put_off_.slot_b.begin(), put_off_.count, chunk_.slot_b);
+  std::copy_n(put_off_.bound.begin(), put_off_.count, bound_.begin());
+  put_off_.count = 0;
+  double culled_at = kInfinity;
   while (chunk_.count > 0 && best_.distance > 0) {
     if (chunk_.count > kFewPairs && best_.distance < kStaleCull * culled_at) {
-      cull();
+      culled_at = best_.distance;
+      CullPrisms();
     } else {
-      const int last = --chunk_.count;
-      if (bound_[last] < ToBeat()) MeasureSwept(chunk_.slot_a[last], chunk_.slot_b[last]);
+      MeasureLast();
     }
   }
 }

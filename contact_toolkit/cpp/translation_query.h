@@ -37,6 +37,8 @@ class TranslationQuery {
   }
   void Visit(const LeafPairs& pairs, const TimeSlice& whole);
 
+  // Measures the pairs that were put off.
+  void Finish();
   SweptDistance Answer() const;
 
  private:
@@ -44,7 +46,10 @@ class TranslationQuery {
   const PosedPair& Posed();
   // By the distance of the boxes there and, as many overlap, of their middles.
   void OrderPosed(const BvhNode& a, const BvhNode& b, float* order);
+  // Measures what seems the closest pair. The others are put off: most are culled by what is known
+  // in the end.
   void VisitFacets(const LeafPairs& pairs);
+  void MeasureLast();
   // [m] Pairs no closer than this could win by rounding only, and do not matter.
   double ToBeat() const;
   // Of the chunk of facet pairs, these keep those that may come closer than the closest so far:
@@ -71,6 +76,11 @@ class TranslationQuery {
   const SweptKernels& kernels_ = ActiveSweptKernels();
   FacetPairs chunk_;
   std::array<double, FacetPairs::kCapacity> bound_;  // [m] from below, of the chunk's pairs
+  struct {
+    int count = 0;
+    std::array<std::int32_t, FacetPairs::kCapacity> slot_a, slot_b;
+    std::array<double, FacetPairs::kCapacity> bound;
+  } put_off_;
   double stale_below_;  // [m] then the direction of the extents is to be taken anew
   double offset_ = 0;   // [m] of B's origin over the whole way, and slack
   double length_ = 1;   // of the direction as rounded
