@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "point_distance.h"
+#include "point_numbers.h"
 #include "sharp_edges.h"
 #include "tolerances.h"
-#include "vertex_hash.h"
 
 namespace contact_toolkit {
 namespace {
@@ -138,20 +137,15 @@ const AreaPatch& AreaNodes::patch(std::int32_t index) const {
 
 std::unique_ptr<AreaPatch> AreaNodes::MakePatch(std::int32_t index) const {
   auto patch = std::make_unique<AreaPatch>();
-  std::unordered_map<Vec3, std::int32_t, VertexHash> node_at;
+  PointNumbers numbers(&patch->nodes);
   const auto whole = [](const Corners&) { return false; };
   for (std::int32_t root = first_root_[index]; root < first_root_[index + 1]; ++root) {
     Cut(roots_[root], whole, [&](const Corners& t) {
       AreaPatch::Triangle triangle{{}, AreaOf(t)};
       for (int k = 0; k < 3; ++k) {
-        const auto next = static_cast<std::int32_t>(patch->nodes.size());
-        const auto [at, inserted] = node_at.try_emplace(t[k], next);
-        if (inserted) {
-          patch->nodes.push_back(t[k]);
-          patch->weight.push_back(0);
-        }
-        triangle.node[k] = at->second;
-        patch->weight[at->second] += triangle.area / 3;
+        triangle.node[k] = numbers.Of(t[k]);
+        patch->weight.resize(patch->nodes.size());
+        patch->weight[triangle.node[k]] += triangle.area / 3;
       }
       patch->triangles.push_back(triangle);
     });

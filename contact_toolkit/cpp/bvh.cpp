@@ -1,10 +1,14 @@
 #include "bvh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
+#include "column.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
@@ -30,6 +34,15 @@ struct Box {
   }
 };
 
+// A facet on its way to a leaf. Facets are moved rather than pointed to, so that every pass over a
+// range of them is one over memory.
+struct Item {
+  Box box;
+  std::int32_t facet;
+
+  double Middle(int axis) const { return 0.5 * (box.lower[axis] + box.upper[axis]); }
+};
+
 struct Range {
   int first, count;
   Box box;  // of the facets
@@ -38,13 +51,13 @@ struct Range {
 class Builder {
  public:
   Builder(std::span<const Vec3> vertices, std::span<const std::array<std::int32_t, 3>> faces)
-      : vertices_(vertices), faces_(faces), boxes_(faces.size()), order_(faces.size()) {
+      : vertices_(vertices), faces_(faces), items_(faces.size()) {
     Box all;
     for (std::size_t f = 0; f < faces.size(); ++f) {
-      for (const std::int32_t v : faces[f]) boxes_[f].Add(vertices[v]);
-      all.Add(boxes_[f]);
+      items_[f] = {Box{}, static_cast<std::int32_t>(f)};
+      for (const std::int32_t v : faces[f]) items_[f].box.Add(vertices[v]);
+      all.Add(items_[f].box);
     }
-    std::iota(order_.begin(), order_.end(), 0);
     bvh_.origin = 0.5 * (all.lower + all.upper);
     bvh_.half_extent = 0.5 * (all.upper - all.lower);
     bvh_.size = std::max({bvh_.half_extent.x, bvh_.half_extent.y, bvh_.half_extent.z});
@@ -55,22 +68,21 @@ class Builder {
   Bvh Take() { return std::move(bvh_); }
 
  private:
-  double Middle(int facet, int axis) const {
-    return 0.5 * (boxes_[facet].lower[axis] + boxes_[facet].upper[axis]);
+  std::span<Item> Items(const Range& range) {
+    return {&items_[range.first], static_cast<std::size_t>(range.count)};
   }
 
   // Splits a range in two where the surface area heuristic is least; near the leaves at a multiple
   // of the node width, so that bottom nodes are full.
   std::pair<Range, Range> Split(const Range& range) {
     Box centers;
-    for (int i = 0; i < range.count; ++i) {
-      const int f = order_[range.first + i];
-      centers.Add(Vec3{Middle(f, 0), Middle(f, 1), Middle(f, 2)});
+    for (const Item& item : Items(range)) {
+      centers.Add(Vec3{item.Middle(0), item.Middle(1), item.Middle(2)});
     }
     const int at = range.count <= kExactSplit ? SortedSplit(range) : BinnedSplit(range, centers);
     Range left{range.first, at, {}}, right{range.first + at, range.count - at, {}};
     for (Range* side : {&left, &right}) {
-      for (int i = 0; i < side->count; ++i) side->box.Add(boxes_[order_[side->first + i]]);
+      for (const Item& item : Items(*side)) side->box.Add(item.box);
     }
     return {left, right};
   }
@@ -80,76 +92,82 @@ class Builder {
     return box.HalfArea() * ((count + kBvhWidth - 1) / kBvhWidth);
   }
 
-  void SortAlong(const Range& range, int axis) {
-    std::sort(order_.begin() + range.first, order_.begin() + range.first + range.count,
-              [&](int a, int b) {
-                const double x = Middle(a, axis), y = Middle(b, axis);
-                return x != y ? x < y : a < b;
-              });
-  }
-
   int SortedSplit(const Range& range) {
-    // Candidate positions: multiples of the width from either end.
+    const std::span<Item> items = Items(range);
+    struct Place {
+      double middle;
+      std::int32_t facet, item;
+    };
+    std::array<Place, kExactSplit> sorted, best_sorted;
+    std::array<double, kExactSplit + 1> right_cost;
     double best = Box::kInfinity;
-    int best_axis = 0, best_at = range.count / 2;
-    std::vector<double> right_cost(range.count + 1);
+    int best_at = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      SortAlong(range, axis);
+      for (int i = 0; i < range.count; ++i) sorted[i] = {items[i].Middle(axis), items[i].facet, i};
+      std::sort(sorted.begin(), sorted.begin() + range.count, [](const Place& a, const Place& b) {
+        return a.middle != b.middle ? a.middle < b.middle : a.facet < b.facet;
+      });
       Box box;
       for (int i = range.count - 1; i > 0; --i) {
-        box.Add(boxes_[order_[range.first + i]]);
+        box.Add(items[sorted[i].item].box);
         right_cost[i] = Cost(box, range.count - i);
       }
       box = Box{};
+      bool better = false;
       for (int i = 1; i < range.count; ++i) {
-        box.Add(boxes_[order_[range.first + i - 1]]);
+        box.Add(items[sorted[i - 1].item].box);
         const double cost = Cost(box, i) + right_cost[i];
-        if (cost < best) best = cost, best_axis = axis, best_at = i;
+        if (cost < best) best = cost, best_at = i, better = true;
       }
+      if (better) best_sorted = sorted;
     }
-    SortAlong(range, best_axis);
+    std::array<Item, kExactSplit> moved;
+    std::copy(items.begin(), items.end(), moved.begin());
+    for (int i = 0; i < range.count; ++i) items[i] = moved[best_sorted[i].item];
     return best_at;
   }
 
   int BinnedSplit(const Range& range, const Box& centers) {
+    const std::span<Item> items = Items(range);
+    const auto bin_of = [&](const Item& item, int axis) {
+      const double width = centers.upper[axis] - centers.lower[axis];
+      const double t = (item.Middle(axis) - centers.lower[axis]) / width;
+      return width > 0 ? std::min(kBins - 1, static_cast<int>(t * kBins)) : 0;
+    };
+    Box box[3][kBins];
+    int count[3][kBins] = {};
+    for (const Item& item : items) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int bin = bin_of(item, axis);
+        box[axis][bin].Add(item.box);
+        ++count[axis][bin];
+      }
+    }
     double best = Box::kInfinity;
     int best_axis = -1, best_bin = 0;
-    const auto bin_of = [&](int facet, int axis) {
-      const double width = centers.upper[axis] - centers.lower[axis];
-      const double t = (Middle(facet, axis) - centers.lower[axis]) / width;
-      return std::min(kBins - 1, static_cast<int>(t * kBins));
-    };
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(centers.upper[axis] > centers.lower[axis])) continue;
-      Box box[kBins];
-      int count[kBins] = {};
-      for (int i = 0; i < range.count; ++i) {
-        const int f = order_[range.first + i], b = bin_of(f, axis);
-        box[b].Add(boxes_[f]);
-        ++count[b];
-      }
       double right_cost[kBins];
       Box sweep;
       int n = 0;
       for (int b = kBins - 1; b > 0; --b) {
-        sweep.Add(box[b]);
-        right_cost[b] = Cost(sweep, n += count[b]);
+        sweep.Add(box[axis][b]);
+        right_cost[b] = Cost(sweep, n += count[axis][b]);
       }
       sweep = Box{};
       n = 0;
       for (int b = 1; b < kBins; ++b) {
-        sweep.Add(box[b - 1]);
-        n += count[b - 1];
+        sweep.Add(box[axis][b - 1]);
+        n += count[axis][b - 1];
         if (n == 0 || n == range.count) continue;
         const double cost = Cost(sweep, n) + right_cost[b];
         if (cost < best) best = cost, best_axis = axis, best_bin = b;
       }
     }
     if (best_axis < 0) return range.count / 2;  // all centres coincide
-    const auto begin = order_.begin() + range.first, end = begin + range.count;
-    const auto middle =
-        std::stable_partition(begin, end, [&](int f) { return bin_of(f, best_axis) < best_bin; });
-    return static_cast<int>(middle - begin);
+    const auto middle = std::stable_partition(items.begin(), items.end(), [&](const Item& item) {
+      return bin_of(item, best_axis) < best_bin;
+    });
+    return static_cast<int>(middle - items.begin());
   }
 
   // Returns the index of the node made for the range.
@@ -163,8 +181,7 @@ class Builder {
       node.count = range.count;
       bvh_.blocks.emplace_back();
       for (int k = 0; k < kBvhWidth; ++k) {
-        const int facet = order_[range.first + (k < range.count ? k : 0)];
-        SetLane(&node, k, boxes_[facet], k < range.count);
+        SetLane(&node, k, items_[range.first + (k < range.count ? k : 0)].box, k < range.count);
         node.child[k] = k < range.count ? range.first + k : -1;
       }
       return index;
@@ -211,12 +228,13 @@ class Builder {
 
   void FillSlots() {
     const std::size_t count = faces_.size();
-    bvh_.slot_facet.assign(order_.begin(), order_.end());
+    bvh_.slot_facet.resize(count);
     bvh_.slot_vertices.resize(count);
     bvh_.slot_coordinates.resize(9 * count);
     bvh_.slot_thin.resize(count);
     for (std::size_t slot = 0; slot < count; ++slot) {
-      std::array<std::int32_t, 3> v = faces_[order_[slot]];
+      bvh_.slot_facet[slot] = items_[slot].facet;
+      std::array<std::int32_t, 3> v = faces_[items_[slot].facet];
       std::sort(v.begin(), v.end());
       bvh_.slot_vertices[slot] = v;
       for (int c = 0; c < 3; ++c) {
@@ -252,8 +270,7 @@ class Builder {
 
   std::span<const Vec3> vertices_;
   std::span<const std::array<std::int32_t, 3>> faces_;
-  std::vector<Box> boxes_;
-  std::vector<int> order_;
+  Column<Item> items_;  // large, and soon done with
   Bvh bvh_;
 };
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 #include <tuple>
-#include <unordered_map>
 
+#include "column.h"
+#include "point_numbers.h"
 #include "tolerances.h"
-#include "vertex_hash.h"
 
 namespace contact_toolkit {
 namespace {
@@ -26,6 +27,23 @@ std::string Describe(const char* what, std::size_t index) {
 // however tangled, takes long.
 constexpr int kMostInARow = 8;
 
+// The entries that visit(emit) emits, each with a number below `count`: sorted by that number, then
+// by `less`. In linear time where few share a number. Visits twice.
+template <typename Entry, typename Visit, typename Less>
+Column<Entry> SortedByNumber(std::size_t count, const Visit& visit, const Less& less) {
+  std::vector<std::size_t> place(count + 1);  // where the next of each number belongs
+  visit([&](std::int32_t number, const Entry& /*entry*/) { ++place[number + 1]; });
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  Column<Entry> sorted(place.back());
+  visit([&](std::int32_t number, const Entry& entry) { sorted[place[number]++] = entry; });
+  std::size_t first = 0;
+  for (std::size_t number = 0; number < count; ++number) {
+    std::sort(sorted.begin() + first, sorted.begin() + place[number], less);
+    first = place[number];
+  }
+  return sorted;
+}
+
 double AngleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - corner, v = b - corner;
   return std::atan2(Norm(Cross(u, v)), Dot(u, v));
@@ -35,10 +53,10 @@ double AngleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
 
 CollisionMesh::CollisionMesh(std::span<const Vec3> vertices, std::span<const Triple> faces) {
   Weld(vertices, faces);
+  bvh_ = BuildBvh(vertices_, faces_);
   BuildEdges();
   BuildNormals();
   FindDefects();
-  bvh_ = BuildBvh(vertices_, faces_);
   BuildSlotEdges();
 }
 
@@ -73,15 +91,9 @@ void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple>
     }
   }
 
-  std::unordered_map<Vec3, std::int32_t, VertexHash> index_of;
-  index_of.reserve(vertices.size());
   welded_.resize(vertices.size());
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const auto [it, inserted] =
-        index_of.try_emplace(vertices[v], static_cast<std::int32_t>(vertices_.size()));
-    if (inserted) vertices_.push_back(vertices[v]);
-    welded_[v] = it->second;
-  }
+  PointNumbers numbers(&vertices_, vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) welded_[v] = numbers.Of(vertices[v]);
   faces_.reserve(faces.size());
   for (const Triple& f : faces) {
     faces_.push_back({welded_[f[0]], welded_[f[1]], welded_[f[2]]});
@@ -104,23 +116,28 @@ void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple>
 }
 
 void CollisionMesh::BuildEdges() {
-  // Sort all half edges by their two vertices; equal runs are one edge.
+  // Sort all half edges by their two vertices; equal runs are one edge. Facets come in the order of
+  // the hierarchy, here and below: neighbours follow each other, however the mesh lists them.
   struct HalfEdge {
     Couple ends;
     std::int32_t facet, corner;
+    bool Joins(std::int32_t a, std::int32_t b) const { return ends[0] == a && ends[1] == b; }
   };
-  std::vector<HalfEdge> half_edges;
-  half_edges.reserve(3 * faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t a = faces_[f][k], b = faces_[f][(k + 1) % 3];
-      half_edges.push_back({{std::min(a, b), std::max(a, b)}, static_cast<std::int32_t>(f), k});
+  const auto visit = [&](const auto& emit) {
+    for (const std::int32_t f : bvh_.slot_facet) {
+      for (int k = 0; k < 3; ++k) {
+        const auto [a, b] = std::minmax(faces_[f][k], faces_[f][(k + 1) % 3]);
+        emit(a, HalfEdge{{a, b}, f, k});
+      }
     }
-  }
-  std::sort(half_edges.begin(), half_edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.ends, a.facet, a.corner) < std::tie(b.ends, b.facet, b.corner);
-  });
+  };
+  const auto half_edges =
+      SortedByNumber<HalfEdge>(vertices_.size(), visit, [](const HalfEdge& a, const HalfEdge& b) {
+        return std::tie(a.ends[1], a.facet, a.corner) < std::tie(b.ends[1], b.facet, b.corner);
+      });
   face_edges_.resize(faces_.size());
+  edges_.reserve(half_edges.size() / 2);
+  edge_faces_.reserve(half_edges.size() / 2);
   for (std::size_t i = 0; i < half_edges.size();) {
     const auto edge = static_cast<std::int32_t>(edges_.size());
     edges_.push_back(half_edges[i].ends);
@@ -128,7 +145,8 @@ void CollisionMesh::BuildEdges() {
     std::size_t users = 0;
     bool same_way = false;
     const std::size_t first = i;
-    for (; i < half_edges.size() && half_edges[i].ends == edges_.back(); ++i, ++users) {
+    const auto [low, high] = half_edges[i].ends;
+    for (; i < half_edges.size() && half_edges[i].Joins(low, high); ++i, ++users) {
       face_edges_[half_edges[i].facet][half_edges[i].corner] = edge;
       if (users < 2) edge_faces_.back()[users] = half_edges[i].facet;
     }
@@ -151,14 +169,14 @@ void CollisionMesh::BuildNormals() {
   vertex_normals_.assign(vertices_.size(), Vec3{});
   const Vec3 middle = 0.5 * (lower_ + upper_);
   std::vector<std::int32_t> without_width;
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
+  for (const std::int32_t f : bvh_.slot_facet) {
     const Vec3 p[3] = {vertices_[faces_[f][0]], vertices_[faces_[f][1]], vertices_[faces_[f][2]]};
     const Vec3 n = Cross(p[1] - p[0], p[2] - p[0]);
     face_normals_[f] = Normalized(n);
     area_ += 0.5 * Norm(n);
     volume_ += Dot(p[0] - middle, n) / 6;
-    if (HasNoWidth(static_cast<std::int32_t>(f))) {
-      without_width.push_back(static_cast<std::int32_t>(f));
+    if (HasNoWidth(f)) {
+      without_width.push_back(f);
       continue;
     }
     for (int k = 0; k < 3; ++k) {
@@ -219,21 +237,33 @@ Vec3 CollisionMesh::NormalBeyond(std::int32_t facet, std::int32_t edge, int most
 }
 
 void CollisionMesh::FindDefects() {
-  std::vector<std::pair<Triple, std::int32_t>> sorted(faces_.size());
   std::vector<char> used(vertices_.size(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f) {
-    Triple key = faces_[f];
-    for (const std::int32_t v : key) used[v] = 1;
-    std::sort(key.begin(), key.end());
-    sorted[f] = {key, static_cast<std::int32_t>(f)};
+    for (const std::int32_t v : faces_[f]) used[v] = 1;
     if (face_normals_[f] == Vec3{}) {
       defects_.zero_area_facets.push_back(static_cast<std::int32_t>(f));
     }
   }
-  std::sort(sorted.begin(), sorted.end());
+  struct Facet {
+    std::int32_t lowest, middle, highest, index;  // its sorted vertices; the facet itself
+    bool SameVertices(const Facet& other) const {
+      return lowest == other.lowest && middle == other.middle && highest == other.highest;
+    }
+  };
+  const auto visit = [&](const auto& emit) {
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      Triple v = faces_[f];
+      std::sort(v.begin(), v.end());
+      emit(v[0], Facet{v[0], v[1], v[2], static_cast<std::int32_t>(f)});
+    }
+  };
+  const auto sorted =
+      SortedByNumber<Facet>(vertices_.size(), visit, [](const Facet& a, const Facet& b) {
+        return std::tie(a.middle, a.highest, a.index) < std::tie(b.middle, b.highest, b.index);
+      });
   for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i].first == sorted[i - 1].first) {
-      defects_.duplicate_facets.push_back(sorted[i].second);
+    if (sorted[i].SameVertices(sorted[i - 1])) {
+      defects_.duplicate_facets.push_back(sorted[i].index);
     }
   }
   std::sort(defects_.duplicate_facets.begin(), defects_.duplicate_facets.end());
@@ -249,7 +279,8 @@ void CollisionMesh::BuildSlotEdges() {
     const Couple ends[3] = {{v[0], v[1]}, {v[1], v[2]}, {v[0], v[2]}};
     for (int e = 0; e < 3; ++e) {
       for (const std::int32_t edge : face_edges_[bvh_.slot_facet[slot]]) {
-        if (edges_[edge] == ends[e]) slot_edges_[slot][e] = edge;
+        const auto& [low, high] = edges_[edge];
+        if (low == ends[e][0] && high == ends[e][1]) slot_edges_[slot][e] = edge;
       }
     }
   }

@@ -58,6 +58,9 @@ def _subdivided(radius: float, n: int) -> Surface:
         keys = tag[_TRIANGLES] @ weights.T.astype(np.uint64)
     _, first, index = np.unique(keys.reshape(-1), return_index=True, return_inverse=True)
     assert len(first) == 10 * n * n + 2
+    # Numbered as the triangles meet them: neighbours stay together, as in meshes from elsewhere.
+    order = np.argsort(first)
+    first, index = first[order], np.argsort(order)[index]
     points = np.einsum("wc,tcx->twx", weights / n, _ICOSAHEDRON[_TRIANGLES]).reshape(-1, 3)[first]
     vertices = radius * points / np.linalg.norm(points, axis=1, keepdims=True)
 
