@@ -2,9 +2,8 @@
 // or at all poses near one, which is worth remembering.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "area_nodes.h"
@@ -18,7 +17,8 @@ struct AreaCandidates {
     Vec3 p;              // in the sampled body
     double weight;       // [m²] see AreaPatch
     std::int32_t index;  // in its patch
-    float clearance;     // [m] until it has moved so far it certainly bears no load
+    float clearance;     // [m] until it has moved so far it certainly bears no load; if negative
+                         // it may bear some, but is certainly no deeper
   };
   struct Part {  // of a patch; its nodes and triangles follow those of the part before
     std::int32_t patch, last_node, last_triangle;
@@ -35,10 +35,10 @@ struct AreaCandidates {
 };
 
 // Gathers the triangles that may have a loaded corner. `near(sphere)`: whether loaded nodes may lie
-// in the sphere; `spares(p)`: whether a node at p certainly bears no load. What they are asked is
-// in the sampled body's frame. The clearance of nodes that are not spared is left at zero.
-template <typename Near, typename Spares>
-void GatherCandidates(const AreaNodes& sampled, const Near& near, const Spares& spares,
+// in the sphere; `clearance(p)`: of a node at p. What they are asked is in the sampled body's
+// frame.
+template <typename Near, typename Clearance>
+void GatherCandidates(const AreaNodes& sampled, const Near& near, const Clearance& clearance,
                       AreaCandidates* candidates) {
   constexpr std::int32_t kUnseen = -1, kSeen = 0;
   auto& place_of = Scratch<std::vector<std::int32_t>>([] {});  // in `nodes`, of each of the patch's
@@ -61,8 +61,8 @@ void GatherCandidates(const AreaNodes& sampled, const Near& near, const Spares& 
       if (place_of[i] == kUnseen) continue;
       place_of[i] = static_cast<std::int32_t>(nodes.size());
       const Vec3& p = patch.nodes[i];
-      const float clearance = spares(p) ? std::numeric_limits<float>::infinity() : 0.0f;
-      nodes.push_back({p, patch.weight[i], i, clearance});
+      const auto rounded = std::nextafter(static_cast<float>(clearance(p)), -HUGE_VALF);
+      nodes.push_back({p, patch.weight[i], i, rounded});
     }
     for (const std::int32_t leaf : leaves) {
       for (std::int32_t i = patch.leaves[leaf].first; i < patch.leaves[leaf].last; ++i) {

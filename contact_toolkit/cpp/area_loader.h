@@ -38,7 +38,7 @@ class AreaWeb::Loader {
     if (scratch_.probed.size() < nodes_.size()) scratch_.probed.resize(nodes_.size());
     const auto count = static_cast<std::int32_t>(nodes_.size());
     for (std::int32_t i = 0; i < count; ++i) {
-      if (!(nodes_[i].clearance > motion)) ProbeAt(i);
+      if (!(nodes_[i].clearance > motion)) ProbeIfNear(i);
     }
     for (const AreaPatch::Triangle& triangle : candidates_.triangles) Load(triangle);
     Emit();
@@ -61,8 +61,18 @@ class AreaWeb::Loader {
     Probed& node = scratch_.probed[i];
     node.p = X_PS_ * nodes_[i].p;
     node.field = probe_(i, node.p);
+    Take(i);
+  }
+
+  void ProbeIfNear(std::int32_t i) {
+    Probed& node = scratch_.probed[i];
+    node.p = X_PS_ * nodes_[i].p;
+    if (probe_.IfNear(i, node.p, nodes_[i].clearance, &node.field)) Take(i);
+  }
+
+  void Take(std::int32_t i) {
     ++springs_.facet_pairs;
-    scratch_.deformation[i] = web_.options_.standoff - node.field.phi;
+    scratch_.deformation[i] = web_.options_.standoff - scratch_.probed[i].field.phi;
   }
 
   void Load(const AreaPatch::Triangle& triangle) {

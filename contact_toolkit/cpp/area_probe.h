@@ -1,9 +1,12 @@
 // The fields that nodes of the area web probe, each remembering what helps with the next node.
-// `Spares`: whether a node at p certainly bears no load, even `slack` [m] from there; it takes less
-// work than the value. `kSteepest`: no value changes faster than this many times the way moved.
+// `Clearance`: of a node at p, when it may yet move by `slack` [m]; it takes less work than the
+// value. `IfNear`: the value, unless it is found on the way there that a node of such a clearance
+// bears no load. `kSteepest`: no value changes faster than this many times the way moved.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "distance_bounds.h"
 #include "near_facets.h"
@@ -21,12 +24,23 @@ class ExactProbe {
   ExactProbe(const ProbedSurface& surface, const DistanceBounds& bounds, double standoff)
       : surface_(surface), bounds_(bounds), standoff_(standoff) {}
 
-  bool Spares(const Vec3& p, double slack) const { return bounds_.Beyond(p, 0, standoff_ + slack); }
+  double Clearance(const Vec3& p, double slack) const {
+    const double clearance = bounds_.LowerBound(p) - standoff_;
+    return clearance > slack ? clearance : std::min(clearance, 0.0);
+  }
 
   FieldValue operator()(std::int32_t /*node*/, const Vec3& p) {
     const FieldValue value = surface_.Probe(p, hint_);
     hint_ = value.slot;
     return value;
+  }
+
+  // Where the surface is farther away than the node can be deep, the node is outside.
+  bool IfNear(std::int32_t /*node*/, const Vec3& p, double clearance, FieldValue* value) {
+    const double deepest = -(standoff_ + clearance);
+    if (!surface_.ProbeWithin(p, std::max(standoff_, deepest), hint_, value)) return false;
+    hint_ = value->slot;
+    return true;
   }
 
  private:
@@ -47,6 +61,10 @@ class RecallingProbe {
   FieldValue operator()(std::int32_t node, const Vec3& p) {
     return surface_.Probe(p, facets_.Of(node), motion_);
   }
+  bool IfNear(std::int32_t node, const Vec3& p, double /*clearance*/, FieldValue* value) {
+    *value = (*this)(node, p);
+    return true;
+  }
 
  private:
   const ProbedSurface& surface_;
@@ -62,13 +80,25 @@ class SmoothProbe {
   SmoothProbe(const SmoothField& field, const DistanceBounds& bounds, double standoff)
       : field_(field), bounds_(bounds), standoff_(standoff) {}
 
-  bool Spares(const Vec3& p, double slack) {
-    const SmoothField::Above above = field_.IsAbove(p, standoff_ + kSteepest * slack, &cursor_);
-    if (above != SmoothField::Above::kUnknown) return above == SmoothField::Above::kYes;
-    return bounds_.Beyond(p, 0, standoff_ + slack + SmoothField::kDeviation * field_.cell());
+  double Clearance(const Vec3& p, double slack) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    switch (field_.IsAbove(p, standoff_ + kSteepest * slack, &cursor_)) {
+      case SmoothField::Above::kYes:
+        return kInfinity;
+      case SmoothField::Above::kMaybeNot:
+        return -kInfinity;
+      default:
+        break;
+    }
+    const double reach = standoff_ + SmoothField::kDeviation * field_.cell();
+    return bounds_.Beyond(p, 0, reach + slack) ? kInfinity : -kInfinity;
   }
 
   FieldValue operator()(std::int32_t /*node*/, const Vec3& p) { return field_.Probe(p, &cursor_); }
+  bool IfNear(std::int32_t node, const Vec3& p, double /*clearance*/, FieldValue* value) {
+    *value = (*this)(node, p);
+    return true;
+  }
 
  private:
   const SmoothField& field_;

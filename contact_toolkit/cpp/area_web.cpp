@@ -97,8 +97,8 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
     return !bounds_->Beyond(X_PS * sphere.center, sphere.radius,
                             reach() + way(sphere.center, sphere.radius));
   };
-  const auto spares = [&](const Vec3& p) { return probe->Spares(X_PS * p, way(p, 0)); };
-  GatherCandidates(*nodes_, near, spares, candidates);
+  const auto clearance = [&](const Vec3& p) { return probe->Clearance(X_PS * p, way(p, 0)); };
+  GatherCandidates(*nodes_, near, clearance, candidates);
 }
 
 void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace contact_toolkit {
@@ -35,29 +36,48 @@ DistanceBounds::DistanceBounds(std::shared_ptr<const ProbedSurface> surface, dou
 
 bool DistanceBounds::Beyond(const Vec3& center, double radius, double reach) const {
   const Vec3 local = center - middle_;
+  const double squared = SquaredGap(local);
+  const double within = reach + radius;
+  if (squared > within * within) return true;
+  if (squared > far_ * far_) return false;
+  const Known known = Near(local, radius);
+  const double margin = known.distance - within;
+  return margin > 0 && margin * margin > known.squared_offset;
+}
+
+double DistanceBounds::LowerBound(const Vec3& p) const {
+  constexpr double kRoundedUp = 1 + 1e-12;
+  const Vec3 local = p - middle_;
+  const double squared = SquaredGap(local);
+  if (squared > far_ * far_) return std::sqrt(squared) / kRoundedUp;
+  const Known known = Near(local, 0);
+  return known.distance - std::sqrt(known.squared_offset) * kRoundedUp;
+}
+
+// Of a point from the surface's box.
+double DistanceBounds::SquaredGap(const Vec3& local) const {
   double squared = 0;
   for (int i = 0; i < 3; ++i) {
     const double gap = std::max(std::abs(local[i]) - half_[i], 0.0);
     squared += gap * gap;
   }
-  const double within = reach + radius;
-  if (squared > within * within) return true;
-  if (squared > far_ * far_) return false;
-  // The coarsest lattice whose spacing is no more than the radius: its points are near enough.
+  return squared;
+}
+
+DistanceBounds::Known DistanceBounds::Near(const Vec3& local, double radius) const {
   int level = first_level_;
   while (level + 1 < kLevels && spacing_[level + 1] <= radius) ++level;
   std::array<std::int32_t, 3> index;
-  double offset = 0;
+  double squared_offset = 0;
   for (int i = 0; i < 3; ++i) {
     const double x = local[i] / spacing_[level];
     constexpr double kHalfAxis = 1 << (kAxisBits - 1);
-    if (!(std::abs(x) < kHalfAxis - 1)) return false;
+    if (!(std::abs(x) < kHalfAxis - 1)) return {-std::numeric_limits<double>::infinity(), 0};
     index[i] = static_cast<std::int32_t>(x + kHalfAxis + 0.5);  // counted from the lattice's corner
     const double beside = local[i] - (index[i] - kHalfAxis) * spacing_[level];
-    offset += beside * beside;
+    squared_offset += beside * beside;
   }
-  const double margin = ValueAt(level, index) - within;
-  return margin > 0 && margin * margin > offset;
+  return {ValueAt(level, index), squared_offset};
 }
 
 // The distance at a lattice point, rounded down.

@@ -24,6 +24,9 @@ class DistanceBounds {
   // Whether the distance certainly exceeds `reach` throughout the ball.
   bool Beyond(const Vec3& center, double radius, double reach) const;
 
+  // [m] The distance of a point is no less; often by far.
+  double LowerBound(const Vec3& p) const;
+
  private:
   // A lattice point is named by 14 bits an axis and 4 bits of level: 46 bits, which are scrambled
   // without loss. 12 of them choose a set of eight words, the other 34 stand in a word of it beside
@@ -37,6 +40,13 @@ class DistanceBounds {
     std::array<std::atomic<std::uint64_t>, kWays> words;
   };
 
+  // What is known at the lattice point next to a point given from the middle, on the coarsest
+  // lattice whose spacing is no more than the radius.
+  struct Known {
+    double distance, squared_offset;
+  };
+  Known Near(const Vec3& local, double radius) const;
+  double SquaredGap(const Vec3& local) const;
   float ValueAt(int level, const std::array<std::int32_t, 3>& index) const;
   float Remember(std::uint64_t key, int level, const std::array<std::int32_t, 3>& index) const;
 

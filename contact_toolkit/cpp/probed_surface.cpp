@@ -42,6 +42,14 @@ FieldValue ProbedSurface::Probe(const Vec3& p, std::int32_t hint_slot) const {
   return ValueAt(p, FindClosestPoint(mesh_->bvh(), p, kInfinity, hint_slot));
 }
 
+bool ProbedSurface::ProbeWithin(const Vec3& p, double reach, std::int32_t hint_slot,
+                                FieldValue* value) const {
+  const ClosestPoint closest = FindClosestPoint(mesh_->bvh(), p, reach * reach, hint_slot);
+  if (closest.slot < 0) return false;
+  *value = ValueAt(p, closest);
+  return true;
+}
+
 FieldValue ProbedSurface::Probe(const Vec3& p, std::span<const NearFacet> facets,
                                 double motion) const {
   if (facets.empty()) return Probe(p);

@@ -29,7 +29,9 @@ class ProbedSurface {
   bool closed() const { return closed_; }
 
   FieldValue Probe(const Vec3& p, std::int32_t hint_slot = -1) const;
-  // The same where the closest facets are among those given, see FindClosestAmong(); none:
+  // Whether the surface passes within `reach` of p; the value there if it does.
+  bool ProbeWithin(const Vec3& p, double reach, std::int32_t hint_slot, FieldValue* value) const;
+  // The value where the closest facets are among those given, see FindClosestAmong(); none:
   // searched.
   FieldValue Probe(const Vec3& p, std::span<const NearFacet> facets, double motion) const;
 
