@@ -201,12 +201,15 @@ def path_over_cone(s: float) -> Array:
     return pose(offset - [0, 0, 0.1645], R)
 
 
-def largest_jump(web: Web, path: Callable[[float], Array], steps: int) -> float:
-    """The largest change of the force between neighbours on a path, as a share of the largest."""
-    forces = np.array([web.wrench(path(i / steps)).force for i in range(steps + 1)])
-    return float(
-        np.linalg.norm(np.diff(forces, axis=0), axis=1).max() / np.linalg.norm(forces, axis=1).max()
-    )
+def forces_along(web: Web, path: Callable[[float], Array], steps: int) -> Array:
+    """The force at the ends of `steps` equal pieces of a path, (steps + 1, 3)."""
+    return np.array([web.wrench(path(i / steps)).force for i in range(steps + 1)])
+
+
+def largest_change(forces: Array, stride: int = 1) -> float:
+    """Of the force over a step of `stride` pieces of a path, as a share of the largest force."""
+    changes = np.linalg.norm(np.diff(forces[::stride], axis=0), axis=1)
+    return float(changes.max() / np.linalg.norm(forces, axis=1).max())
 
 
 def jump_left(web: Web, path: Callable[[float], Array], steps: int, halvings: int = 24) -> float:
