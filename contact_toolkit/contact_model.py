@@ -154,6 +154,13 @@ class ContactModel:
         """Find the springs and compute their forces in one call; see `find` and `forces`."""
         return self._native.evaluate(X_FB, V_FB, table)
 
+    def coast(self, table: StepTable, duration: float) -> Forces | None:
+        """Compute the forces were bodies to go on for `duration` [s] from the table's step.
+
+        They keep the velocities they had at its end. None before the first step.
+        """
+        return self._native.coast(table, duration)
+
     def advance(self, table: StepTable, time: float, forces: Forces) -> StepTable:
         """Take over an accepted step that ended at `time` [s] with `forces`, computed from `table`.
 

@@ -195,6 +195,11 @@ for index in np.unique(contacts.pair):
 #   at time 0, and move them apart.
 # - **A bullet passes through a plate.** `SweptContactMonitor.AddToBuilder(builder, contact)` tells,
 #   a smaller `max_step` helps.
+# - **A warning that steps are too long for a contact.** Energy is made or lost in them. The message
+#   has the accuracy to set, `simulator.get_mutable_integrator().set_target_accuracy(...)`, and the
+#   `max_step` that would do as well.
+# - **An error that contact chatters.** Flat faces lie on each other on the facet web, whose torque
+#   leaps there. Take the area web, or a discrete plant; `when_chattering="warn"` goes on.
 # - **The time step of a discrete plant is refused.** The message has the stable one. Softer contact
 #   or a continuous plant, `time_step=0`, help.
 # - **Many small steps.** A softer `k`, a smaller `alpha`, an accuracy of 1e-3 in

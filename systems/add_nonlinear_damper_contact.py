@@ -60,7 +60,12 @@ def AddNonlinearDamperContact(
     pairs = choose_geometry_pairs(plant, scene_graph.model_inspector(), names, config.pairs)
     model, bodies = import_contact_model(plant, scene_graph, names, pairs, config)
     contact = NonlinearDamperContact(
-        plant, model, bodies, max_step=config.max_step, when_deep=config.when_deep
+        plant,
+        model,
+        bodies,
+        max_step=config.max_step,
+        when_deep=config.when_deep,
+        when_chattering=config.when_chattering,
     )
     take_over_pairs(scene_graph, plant.get_source_id(), pairs)
     if builder.HasSubsystemNamed("contact"):

@@ -122,6 +122,9 @@ class ContactConfig(ContactLawConfig):
         Longest step [s] of a continuous plant, so that nothing crosses a body unseen; 0: no limit.
     when_deep
         "warn" (once) or "raise" when bodies penetrate farther than the web can tell.
+    when_chattering
+        "raise" or "warn" (once) when forces that leap, as between flat faces of the facet web,
+        leave the integrator of a continuous plant only steps that get nowhere.
     threads
         Native threads that share the pairs; the result does not depend on it.
     """
@@ -133,4 +136,5 @@ class ContactConfig(ContactLawConfig):
     half_space_reach: float = 100.0
     max_step: float = 0.005
     when_deep: str = "warn"
+    when_chattering: str = "raise"
     threads: int = 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import ContactModel, ContactStatus, Forces
+from systems.accepted_step import AcceptedStep
+from systems.chatter import Chatter, Streak
 from systems.explicit_stability import ContactFrequency
+from systems.step_resolution import Ledger, StepResolution
 
 # Of the stable time step 2/ω: to there, energy swings within 0.2 % (measured on bouncing balls).
 _WARN_ABOVE = 0.2
@@ -35,10 +38,15 @@ _MEANING = {
 
 @dataclass(frozen=True)
 class Reported:
-    """What has been warned about: the worst share of the stable step, and (pair, status)."""
+    """What has been warned about: the worst share of the stable step, and (pair, status).
+
+    Of a continuous plant, also what its steps have been like.
+    """
 
     stable_share: float = 0.0
     statuses: frozenset[tuple[int, ContactStatus]] = frozenset()
+    ledger: Ledger = field(default_factory=Ledger)
+    streak: Streak = field(default_factory=Streak)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Reported:
         """Return itself: immutable, so a context may copy it for free."""
@@ -51,11 +59,14 @@ class ContactWatch:
     Parameters
     ----------
     plant
-        A discrete one takes forces explicitly: its time step is held against the stable limit.
+        A discrete one takes forces explicitly: its time step is held against the stable limit. Of a
+        continuous one, the integrator's steps are held against what contact does in them.
     model, bodies
         The contact model, and the plant's body for each of its bodies.
     when_deep
         What to do when bodies penetrate farther than the web can tell: "warn" or "raise".
+    when_chattering
+        What to do when leaping forces leave the integrator no step to take: "warn" or "raise".
     """
 
     def __init__(
@@ -65,6 +76,7 @@ class ContactWatch:
         bodies: Sequence[BodyIndex],
         *,
         when_deep: str = "warn",
+        when_chattering: str = "raise",
     ) -> None:
         if when_deep not in ("warn", "raise"):
             raise ValueError(f"when_deep must be warn or raise, not {when_deep!r}")
@@ -74,29 +86,36 @@ class ContactWatch:
         body_of = model.geometry_bodies
         pair_bodies = np.array([[body_of[pair.a], body_of[pair.b]] for pair in model.pairs])
         self._frequency = ContactFrequency(plant, bodies, pair_bodies)
+        gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
+        self._resolution = StepResolution(model, self._frequency, gravity)
+        self._chatter = Chatter(model, self._frequency, when_chattering)
 
     def look(
-        self, reported: Reported, forces: Forces, poses: Callable[[], NDArray[np.float64]]
+        self, reported: Reported, step: AcceptedStep, poses: Callable[[], NDArray[np.float64]]
     ) -> Reported:
         """Warn of what is new in a step; return what has been reported then.
 
         Parameters
         ----------
-        forces
-            Of the step.
+        step
+            It.
         poses
             Gives the poses X_WB (nb, 4, 4) of the bodies, if asked.
 
         Raises
         ------
         RuntimeError
-            Where the time step of a discrete plant exceeds the stable limit, or bodies are too deep
-            and `when_deep` says so.
+            Where the time step of a discrete plant exceeds the stable limit; where bodies are too
+            deep and `when_deep` says so, or contact chatters and `when_chattering` says so.
         """
-        reported = self._look_for_depth(reported, forces)
+        reported = self._look_for_depth(reported, step.forces)
         if self._time_step > 0:
-            reported = self._look_for_instability(reported, forces, poses)
-        return reported
+            return self._look_for_instability(reported, step.forces, poses)
+        ledger = self._resolution.look(reported.ledger, step, poses)
+        streak = self._chatter.look(reported.streak, step, poses)
+        if ledger is reported.ledger and streak is reported.streak:
+            return reported
+        return Reported(reported.stable_share, reported.statuses, ledger, streak)
 
     def _look_for_depth(self, reported: Reported, forces: Forces) -> Reported:
         status = forces.found.status

@@ -23,6 +23,7 @@ from pydrake.systems.framework import (
 )
 
 from contact_toolkit import ContactModel, Forces, StepTable
+from systems.accepted_step import AcceptedStep
 from systems.body_motion import BodyMotion
 from systems.contact_watch import ContactWatch, Reported
 from systems.python_cache import holding, producer
@@ -68,7 +69,8 @@ class NonlinearDamperContact(LeafSystem):
     A discrete plant takes contact forces explicitly. Above 0.2 times the stable time step it is
     warned of, with the number; beyond the stable step, RuntimeError. A continuous plant meets
     contact only where its integrator evaluates forces, and in free flight that would soon be a
-    tenth of a second apart. So a continuous plant never steps longer than `max_step`.
+    tenth of a second apart. So a continuous plant never steps longer than `max_step`; steps still
+    too long for a contact are warned of, with the accuracy to ask of the integrator.
 
     Parameters
     ----------
@@ -86,6 +88,9 @@ class NonlinearDamperContact(LeafSystem):
     when_deep
         What to do when bodies penetrate farther than the web can tell: "warn", once a pair and
         context, or "raise".
+    when_chattering
+        What to do when forces that leap leave the integrator of a continuous plant no step to take:
+        "raise", or "warn", once a context.
     """
 
     def __init__(
@@ -97,6 +102,7 @@ class NonlinearDamperContact(LeafSystem):
         lists_only: bool = False,
         max_step: float = 0.005,
         when_deep: str = "warn",
+        when_chattering: str = "raise",
     ) -> None:
         super().__init__()
         self._model = model
@@ -105,7 +111,9 @@ class NonlinearDamperContact(LeafSystem):
         self._no_state = np.zeros(plant.num_positions() + plant.num_velocities())
         self._declare_inputs()
         self._table = self.DeclareAbstractState(holding(model.initial_table()))
-        self._watch = ContactWatch(plant, model, bodies, when_deep=when_deep)
+        self._watch = ContactWatch(
+            plant, model, bodies, when_deep=when_deep, when_chattering=when_chattering
+        )
         self._reported = self.DeclareAbstractState(holding(Reported()))
         self._declare_cache()
         self._declare_outputs(plant.num_velocities())
@@ -258,13 +266,14 @@ class NonlinearDamperContact(LeafSystem):
         return self._model.advance(self._eval_table(context), context.get_time(), forces)
 
     def _advance(self, context: Context, state: State) -> None:
+        table, advanced = self._eval_table(context), self._eval_advanced_table(context)
         reported = self._watch.look(
             context.get_abstract_state(self._reported).get_value(),
-            self._eval_forces(context),
+            AcceptedStep(table, advanced, self._eval_forces(context)),
             lambda: self._read_motion(context)[0],
         )
         state.get_mutable_abstract_state(self._reported).set_value(reported)
-        state.get_mutable_abstract_state(self._table).set_value(self._eval_advanced_table(context))
+        state.get_mutable_abstract_state(self._table).set_value(advanced)
 
     def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
         wrenches = self._eval_forces(context).body_wrenches

@@ -345,6 +345,7 @@ def test_materials_of_the_library_take_the_place_of_proximity_properties():
         ({"tessellation_tolerance": 0.0}, "tessellation_tolerance must be a share of the radius"),
         ({"half_space_reach": -1.0}, "half_space_reach must be a finite radius"),
         ({"when_deep": "sink"}, "when_deep must be warn or raise"),
+        ({"when_chattering": "talk"}, "when_chattering must be warn or raise"),
         ({"friction": FrictionConfig(static=-0.1)}, "contact between world and a: static must be"),
         ({"friction": FrictionConfig(static=0.1, dynamic=0.2)}, "dynamic must be between 0 and"),
         ({"web": "area", "k": None, "skin": 0.0}, "skin must be a thickness"),

@@ -286,6 +286,39 @@ def test_remembering_the_last_step_changes_no_bit(web, ground):
     assert loaded > 40
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_what_is_stored_lost_and_given_adds_up(mu):
+    """A ledger that finds steps too long, or just right, where they are not."""
+    damper, friction = NonlinearDamper(k=1e3, alpha=0.4), Friction(mu)
+    model = scenes.facet_model(scenes.stool(TRIPOD), scenes.plane(), damper, friction=friction)
+    X_FB, V_FB = scenes.poses((0.0, 0.0, 4e-4)), scenes.velocities((0.1, 0.2, -0.5), (1, 2, 3))
+    forces = model.evaluate(X_FB, V_FB)
+    assert_allclose(forces.power_given, (forces.body_wrenches * V_FB).sum(), rtol=1e-12)
+    assert_allclose(forces.stored, forces.energies.sum(), rtol=1e-12)
+    assert_array_equal(forces.V_FB, V_FB)
+    table = model.advance(model.initial_table(), 0.0, forces)
+    off = []
+    for h in (1e-4, 1e-5):
+        end = model.coast(table, h)
+        after = model.advance(table, h, end)
+        given = h / 2 * (table.forces.power_given + end.power_given)
+        off.append(abs(end.stored - table.forces.stored + after.lost + given) / forces.stored)
+    assert off[0] < 0.01
+    assert off[1] < off[0] / 500
+
+
+def test_coasting_goes_on_at_the_velocities_of_the_step():
+    model, X_FB, V_FB = crowd()
+    assert model.coast(model.initial_table(), 0.1) is None
+    table = model.advance(model.initial_table(), 0.0, model.evaluate(X_FB, V_FB))
+    moved = X_FB.copy()
+    moved[:, :3, :3] = Rotation.from_rotvec(0.01 * V_FB[:, :3]).as_matrix() @ X_FB[:, :3, :3]
+    moved[:, :3, 3] += 0.01 * V_FB[:, 3:]
+    coasted, expected = model.coast(table, 0.01), model.evaluate(moved, V_FB, table)
+    assert len(coasted.contacts) > 0
+    assert_allclose(coasted.body_wrenches, expected.body_wrenches, rtol=1e-9, atol=1e-9)
+
+
 def test_taking_a_step_twice_changes_nothing():
     model, X_FB, V_FB = crowd()
     table = model.advance(model.initial_table(), 0.5, model.evaluate(X_FB, V_FB))

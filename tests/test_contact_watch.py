@@ -246,6 +246,31 @@ def test_what_is_not_too_deep_is_not_told(ground, height, contact):
     simulator.AdvanceTo(0.02)
 
 
+@pytest.mark.parametrize("k", [1e8, 1e10])
+def test_rest_on_stiff_contact_is_silent(k):
+    """Shaking at the size of the integrator's accuracy, taken for impacts."""
+    side, mass = 0.1, 1.0
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+    cube = plant.AddRigidBody("cube", SpatialInertia.SolidBoxWithMass(mass, side, side, side))
+    for owner, size, z in ((cube, side, 0.0), (plant.world_body(), 1.0, -0.5)):
+        plant.RegisterCollisionGeometry(
+            owner,
+            RigidTransform([0, 0, z]),
+            Box(size, size, size),
+            "box",
+            CoulombFriction(0.5, 0.5),
+        )
+    plant.Finalize()
+    config = ContactConfig(k=k, alpha=1.0, resolution=0.1)
+    AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
+    simulator = Simulator(builder.Build())
+    sunk = mass * 9.81 / (k * side**2)
+    context = plant.GetMyContextFromRoot(simulator.get_context())
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, side / 2 - sunk])
+    simulator.AdvanceTo(0.3)
+
+
 def test_a_system_made_by_hand_knows_its_bodies_by_name():
     """Geometries fixed to bodies by name, whose masses the watch does not find."""
     builder = DiagramBuilder()

@@ -178,6 +178,16 @@ Energetics ContactModel::Lost(const StepTable& table, const Forces& end, double 
   return sum;
 }
 
+std::shared_ptr<const Forces> ContactModel::Coast(const StepTable& table, double duration) const {
+  if (!table.forces) return nullptr;
+  const Forces& start = *table.forces;
+  std::vector<Pose> X_FB(num_bodies_);
+  for (int i = 0; i < num_bodies_; ++i) {
+    X_FB[i] = Coasted({start.found->X_FB[i], start.V_FB[i]}, duration);
+  }
+  return ComputeForces(Find(X_FB, &table), start.V_FB, &table);
+}
+
 std::shared_ptr<const StepTable> ContactModel::Advance(std::shared_ptr<const StepTable> table,
                                                        double time,
                                                        std::shared_ptr<const Forces> forces) const {

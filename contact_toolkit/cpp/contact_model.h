@@ -33,6 +33,10 @@ class ContactModel {
                                               std::span<const Twist> V_FB,
                                               const StepTable* table) const;
 
+  // Where the table's step ended, had the bodies then gone on at their velocities for a while; null
+  // before the first step.
+  std::shared_ptr<const Forces> Coast(const StepTable& table, double duration) const;
+
   // The table after an accepted step that ended at `time` with `forces`. Taking the same step again
   // changes nothing; a time before the table's own starts afresh.
   std::shared_ptr<const StepTable> Advance(std::shared_ptr<const StepTable> table, double time,

@@ -73,6 +73,15 @@ struct Forces : std::enable_shared_from_this<Forces> {
   }
   std::size_t SizeOf(std::size_t i) const { return found->loaded[i].springs.size(); }
 
+  // [W]
+  double PowerGiven() const {
+    double power = 0;
+    for (std::size_t i = 0; i < V_FB.size(); ++i) {
+      power += Dot(body_wrenches[i].torque, V_FB[i].w) + Dot(body_wrenches[i].force, V_FB[i].v);
+    }
+    return power;
+  }
+
   void Retire() { found.reset(); }
 };
 

@@ -58,4 +58,8 @@ BodyState Halfway(const BodyState& start, const BodyState& end, double duration)
            velocity(way, start.V_FB.v, end.V_FB.v)}};
 }
 
+Pose Coasted(const BodyState& start, double duration) {
+  return {Exp(duration * start.V_FB.w) * start.X_FB.R, start.X_FB.p + duration * start.V_FB.v};
+}
+
 }  // namespace contact_toolkit

@@ -1,6 +1,6 @@
 // Where a body was halfway through a step, from its poses and velocities at the ends: a cubic
 // through all four, for positions and, in the tangent space of the first pose, for rotations.
-// Errors of the fourth power of the step.
+// Errors of the fourth power of the step. And where it would be, had nothing changed its velocity.
 #pragma once
 
 #include "relative_motion.h"
@@ -14,5 +14,6 @@ struct BodyState {
 };
 
 BodyState Halfway(const BodyState& start, const BodyState& end, double duration);
+Pose Coasted(const BodyState& start, double duration);
 
 }  // namespace contact_toolkit

@@ -160,8 +160,14 @@ contacts
     `ContactArrays`, one row a loaded spring.
 energies
     (2,) stored in normal and in tangential deformation [J].
+stored
+    Their sum [J].
 powers
     (2,) being lost in damping and to friction [W].
+power_given
+    Given to the bodies [W]: their wrenches times their velocities.
+V_FB
+    (nb, 6) velocities of the bodies, as given.
 found
     The springs they are of.
 )";
@@ -176,6 +182,10 @@ time
     End of the step [s]; −infinity before the first.
 losses
     (2,) lost in damping and to friction since the first step [J].
+lost
+    Their sum [J].
+forces
+    At the end of the step, as the next one starts with; None before the first.
 )";
 
 void BindFound(nb::module_& m) {
@@ -251,9 +261,19 @@ void BindForces(nb::module_& m) {
                      const Energetics& e = self.energetics;
                      return ToNumpy(std::vector<double>{e.stored_normal, e.stored_tangential});
                    })
-      .def_prop_ro("powers", [](const Forces& self) {
-        const Energetics& e = self.energetics;
-        return ToNumpy(std::vector<double>{e.damping_power, e.friction_power});
+      .def_prop_ro("powers",
+                   [](const Forces& self) {
+                     const Energetics& e = self.energetics;
+                     return ToNumpy(std::vector<double>{e.damping_power, e.friction_power});
+                   })
+      .def_prop_ro("stored",
+                   [](const Forces& self) {
+                     const Energetics& e = self.energetics;
+                     return e.stored_normal + e.stored_tangential;
+                   })
+      .def_prop_ro("power_given", &Forces::PowerGiven)
+      .def_prop_ro("V_FB", [](nb::handle self) {
+        return ViewOf<double>(nb::cast<const Forces&>(self).V_FB, 6, self);
       });
 }
 
@@ -262,8 +282,14 @@ void BindStepTable(nb::module_& m) {
   CopiesAreTheObject(table);
   table.def(nb::init<>())
       .def_ro("time", &StepTable::time)
-      .def_prop_ro("losses", [](const StepTable& self) {
-        return ToNumpy(std::vector<double>{self.damping_loss, self.friction_loss});
+      .def_prop_ro("losses",
+                   [](const StepTable& self) {
+                     return ToNumpy(std::vector<double>{self.damping_loss, self.friction_loss});
+                   })
+      .def_prop_ro("lost",
+                   [](const StepTable& self) { return self.damping_loss + self.friction_loss; })
+      .def_prop_ro("forces", [](const StepTable& self) {
+        return std::const_pointer_cast<Forces>(self.forces);
       });
 }
 
@@ -318,6 +344,8 @@ void BindContact(nb::module_& m) {
            nb::arg("table").none() = nb::none())
       .def("evaluate", &Evaluate, nb::arg("X_FB"), nb::arg("V_FB"),
            nb::arg("table").none() = nb::none())
+      .def("coast", &Model::Coast, nb::arg("table"), nb::arg("duration"),
+           nb::call_guard<nb::gil_scoped_release>())
       .def("advance", &Model::Advance, nb::arg("table"), nb::arg("time"), nb::arg("forces"),
            nb::call_guard<nb::gil_scoped_release>());
 }

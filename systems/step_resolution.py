@@ -1,0 +1,131 @@
+"""StepResolution: tells when a continuous plant's steps are too long for what contact does in them.
+
+In exact motion, what contact stores, loses and gives to the bodies adds up to nothing. Over a step,
+the trapezoid of the power given is off by some (ωh)²/4 of the energy of a bounce where it begins,
+and (ωh)³/3 amid it, whatever the integrator; at rest it is exact.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_toolkit import ContactModel, Forces
+from systems.accepted_step import AcceptedStep, busiest_pair
+from systems.explicit_stability import ContactFrequency
+
+# Share of the most ever stored by which one step's ledger may be off. The energy of a bounce is
+# then off by some 4 % (measured with runge_kutta3).
+_OFF = 0.25
+# How much worse it must get to be said again.
+_WORSE = 1.5
+# A step is looked into when the velocities change by this share of the largest. An impact changes
+# its own by at least as much as it is.
+_ABRUPT = 0.5
+# Accuracy to ask for, as a share of the deformation: an error of some 0.5 % in a bounce's energy.
+_FINE = 0.01
+# Phase of the contact's swing [rad] to ask for in a step.
+_PHASE = 0.3
+
+Poses = Callable[[], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The most stored [J] so far, the most a step was off [J]; what has been warned about."""
+
+    most_stored: float = 0.0
+    most_off: float = 0.0
+    told_share: float = _OFF / _WORSE  # so that _OFF is told
+    told_missed: bool = False
+
+
+class StepResolution:
+    """Looks at the ledger of every step.
+
+    Parameters
+    ----------
+    model
+        The contact model.
+    frequency
+        Of the plant's bodies on the model's springs.
+    gravity
+        [m/s²] What it does to a velocity in a step is too slow to count as an impact: bodies at
+        rest on stiff contact shake as little as the integrator's accuracy lets them.
+    """
+
+    def __init__(self, model: ContactModel, frequency: ContactFrequency, gravity: float) -> None:
+        self._model = model
+        self._frequency = frequency
+        self._gravity = gravity
+
+    def look(self, ledger: Ledger, step: AcceptedStep, poses: Poses) -> Ledger:
+        """Warn of a step too long for contact; return the ledger after it."""
+        start, end = step.before.forces, step.forces
+        if start is None or not step.duration > 0:
+            return ledger
+        if len(start.found) or len(end.found):
+            return self._balance(ledger, step, start, poses)
+        return self._look_between(ledger, step, start, poses)
+
+    def _balance(self, ledger: Ledger, step: AcceptedStep, start: Forces, poses: Poses) -> Ledger:
+        had, has = start.stored, step.forces.stored
+        lost = step.after.lost - step.before.lost
+        given = step.duration / 2 * (start.power_given + step.forces.power_given)
+        off = abs(has - had + lost + given)
+        most_stored, most_off = max(ledger.most_stored, had, has), ledger.most_off
+        allowed = _WORSE * ledger.told_share * most_stored
+        slowest = self._gravity * step.duration
+        if off > max(most_off, allowed) and _approach(start, step.forces) > slowest:
+            most_off = off
+        if most_off > ledger.most_off or most_stored > ledger.most_stored:
+            ledger = replace(ledger, most_stored=most_stored, most_off=most_off)
+        # The first step into contact can be judged only when the most has been stored.
+        if has >= had or most_off <= allowed:
+            return ledger
+        share = ledger.most_off / ledger.most_stored
+        self._warn(
+            f"a step was off by {share:.0%} of the energy that the contact stored"
+            if share < 1
+            else "a step was off by more than the energy that the contact stored",
+            step,
+            start,
+            poses,
+        )
+        return replace(ledger, told_share=share)
+
+    def _look_between(
+        self, ledger: Ledger, step: AcceptedStep, start: Forces, poses: Poses
+    ) -> Ledger:
+        """Look for contact that began and ended within the step."""
+        v0, v1 = start.V_FB[:, 3:], step.forces.V_FB[:, 3:]
+        if ledger.told_missed or np.abs(v1 - v0).max() <= _ABRUPT * np.abs(v0).max():
+            return ledger
+        met = self._model.coast(step.before, step.duration)
+        if met is None or not len(met.contacts):
+            return ledger
+        self._warn("they met and parted within a step", step, met, poses)
+        return replace(ledger, told_missed=True)
+
+    def _warn(self, found: str, step: AcceptedStep, loaded: Forces, poses: Poses) -> None:
+        contacts = loaded.contacts
+        # Of bodies that only their joints make heavy it is not known.
+        frequency = self._frequency.bound(poses(), contacts) or 1 / step.duration
+        deformation = max(contacts.deformation.max(), contacts.rate.max() / frequency)
+        warnings.warn(
+            f"{busiest_pair(self._model, contacts)}: steps of {step.duration:.2g} s are too long "
+            f"for it, {found}; call set_target_accuracy({_FINE * deformation:.0e}) of the "
+            f"integrator, or set max_step to {_PHASE / frequency:.0e} s",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+
+
+def _approach(start: Forces, end: Forces) -> float:
+    """Return the fastest deformation at either end of a step [m/s]."""
+    rates = np.concatenate([start.contacts.rate, end.contacts.rate])
+    return float(np.abs(rates).max())
