@@ -2,11 +2,11 @@
 // or at all poses near one, which is worth remembering.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "area_nodes.h"
+#include "rounded_down.h"
 #include "scratch.h"
 #include "vec.h"
 
@@ -61,8 +61,7 @@ void GatherCandidates(const AreaNodes& sampled, const Near& near, const Clearanc
       if (place_of[i] == kUnseen) continue;
       place_of[i] = static_cast<std::int32_t>(nodes.size());
       const Vec3& p = patch.nodes[i];
-      const auto rounded = std::nextafter(static_cast<float>(clearance(p)), -HUGE_VALF);
-      nodes.push_back({p, patch.weight[i], i, rounded});
+      nodes.push_back({p, patch.weight[i], i, RoundedDown(clearance(p))});
     }
     for (const std::int32_t leaf : leaves) {
       for (std::int32_t i = patch.leaves[leaf].first; i < patch.leaves[leaf].last; ++i) {

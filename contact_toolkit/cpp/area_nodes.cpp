@@ -16,7 +16,7 @@ constexpr double kGradedOver = 2;     // spacings over which it grows back
 constexpr int kPatchTriangles = 400;  // aimed at
 constexpr double kPatchSpacings = 16;   // the longest edge of a patch's roots
 constexpr double kMostPatches = 50000;  // about: a plate of sheet metal under a pea has large ones
-constexpr int kLeafTriangles = 16;
+constexpr int kLeafTriangles = 8;
 
 double AreaOf(const std::array<Vec3, 3>& t) { return 0.5 * Norm(Cross(t[1] - t[0], t[2] - t[0])); }
 

@@ -11,6 +11,7 @@
 #include "area_loader.h"
 #include "area_memory.h"
 #include "area_probe.h"
+#include "rounded_down.h"
 #include "scratch.h"
 #include "tolerances.h"
 
@@ -158,7 +159,7 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
   for (AreaCandidates::Node& node : candidates.nodes) {
     if (node.clearance > 0) continue;
     const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff;
-    node.clearance = std::nextafter(static_cast<float>(above / Probe::kSteepest), -HUGE_VALF);
+    node.clearance = RoundedDown(above / Probe::kSteepest);
   }
   memory->Prune();
   if (smooth_) return;

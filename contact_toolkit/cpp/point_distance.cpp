@@ -3,65 +3,23 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <utility>
 
+#include "simd/kernels.h"
 #include "simd/lanes.h"
 #include "tolerances.h"
 
 namespace contact_toolkit {
 namespace {
 
-// The point in the hierarchy's coordinates, with what single precision may be wrong by.
-struct Query {
-  explicit Query(const Bvh& bvh, const Vec3& p) {
-    const Vec3 local = p - bvh.origin;
-    for (int i = 0; i < 3; ++i) position[i] = static_cast<float>(local[i]);
-    const double far = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
-    slack = static_cast<float>(kCullingSlack * (far + bvh.size));
-  }
-  float position[3];
-  float slack;
-};
-
-// Four lanes at a time: what every x86-64 and ARM CPU has. (GCC 12 does not vectorise the plain
-// loops, and splits wider vectors into single lanes where the CPU has none; both cost threefold.)
-using Lanes = float __attribute__((vector_size(16)));
-constexpr int kLanes = 4;
-static_assert(kBvhWidth % kLanes == 0);
-
-Lanes Load(const float* from) {
-  Lanes v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-Lanes Max(Lanes a, Lanes b) { return a > b ? a : b; }
-Lanes Abs(Lanes a) { return Max(a, -a); }
-
-// Lower bounds of the squared distances to the children's boxes; infinite for unused lanes.
-void BoundBoxes(const BvhNode& node, const Query& query, float* bounds) {
-  for (int k = 0; k < kBvhWidth; k += kLanes) {
-    Lanes sum{};
-    for (int i = 0; i < 3; ++i) {
-      const Lanes beyond =
-          Abs(query.position[i] - Load(node.center[i] + k)) - Load(node.half[i] + k) - query.slack;
-      const Lanes outside = Max(beyond, Lanes{});
-      sum += outside * outside;
-    }
-    std::memcpy(bounds + k, &sum, sizeof sum);
-  }
-}
-
-// Raises the bounds to those of the squared distances to the facets' planes.
-void BoundPlanes(const FacetBlock& block, const Query& query, float* bounds) {
-  for (int k = 0; k < kBvhWidth; k += kLanes) {
-    Lanes height = -Load(block.offset + k);
-    for (int i = 0; i < 3; ++i) height += Load(block.normal[i] + k) * query.position[i];
-    const Lanes outside = Max(Abs(height) - query.slack, Lanes{});
-    const Lanes raised = Max(Load(bounds + k), outside * outside);
-    std::memcpy(bounds + k, &raised, sizeof raised);
-  }
+CullPoint ForCulling(const Bvh& bvh, const Vec3& p) {
+  const Vec3 local = p - bvh.origin;
+  const double far = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+  CullPoint point;
+  for (int i = 0; i < 3; ++i) point.p[i] = static_cast<float>(local[i]);
+  point.slack = static_cast<float>(kCullingSlack * (far + bvh.size));
+  return point;
 }
 
 class Search {
@@ -80,7 +38,7 @@ class Search {
   // Calls visit(slot) for the facets that may be within the limit, which it may lower.
   template <typename Visit>
   void ForEachNear(const Visit& visit) const {
-    const Query query(bvh_, p_);
+    const CullPoint point = ForCulling(bvh_, p_);
     Entry shallow[kStack];
     std::unique_ptr<Entry[]> deep;
     const int needed = bvh_.depth * (kBvhWidth - 1) + kBvhWidth;
@@ -92,15 +50,16 @@ class Search {
       const Entry entry = stack[--size];
       if (entry.bound > limit_) continue;
       const BvhNode& node = bvh_.nodes[entry.index];
-      float bounds[kBvhWidth];
-      BoundBoxes(node, query, bounds);
-      if (node.bottom()) BoundPlanes(bvh_.blocks[node.block], query, bounds);
+      alignas(32) float bounds[kBvhWidth];
+      unsigned near = node.bottom() ? kernels_.point_facet_bounds(node, bvh_.blocks[node.block],
+                                                                  point, limit_, bounds)
+                                    : kernels_.point_box_bounds(node, point, limit_, bounds);
       // The children worth a visit, the furthest first.
       Entry* const first = stack + size;
       Entry* last = first;
-      for (int k = 0; k < node.count; ++k) {
+      for (; near != 0; near &= near - 1) {
+        const int k = std::countr_zero(near);
         const float bound = bounds[k];
-        if (bound > limit_) continue;
         Entry* at = last++;
         for (; at > first && at[-1].bound < bound; --at) *at = at[-1];
         *at = {bound, node.child[k]};
@@ -193,6 +152,7 @@ class Search {
   void Tighten() { limit_ = RoundedUp(best_.squared_distance); }
 
   const Bvh& bvh_;
+  const Kernels& kernels_ = ActiveKernels();
   const Vec3 p_;
   ClosestPoint best_;
   float limit_;

@@ -19,6 +19,12 @@ struct CullPose {
   float slack;  // [m] covers all single-precision rounding
 };
 
+// A point relative to a hierarchy's origin, in single precision for culling.
+struct CullPoint {
+  float p[3];
+  float slack;  // [m] covers the rounding of a box's distance; of a facet's, twice
+};
+
 // Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of
 // the slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
 inline constexpr int kOnCorner = 0;    // + corner
@@ -84,6 +90,15 @@ struct Kernels {
 
   // The same test, leaving lower bounds of the squared distances in bound[8 j + k].
   void (*box_bounds)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float bound[64]);
+
+  // Lower bounds of the squared distances of a point from the boxes of a node's children; a bit is
+  // set for those up to `limit` ...
+  unsigned (*point_box_bounds)(const BvhNode& node, const CullPoint& point, float limit,
+                               float bound[8]);
+
+  // ... and from the facets of a bottom node.
+  unsigned (*point_facet_bounds)(const BvhNode& node, const FacetBlock& block,
+                                 const CullPoint& point, float limit, float bound[8]);
 
   // Clears the bits of facet pairs that lie apart by more than reach along a facet's normal, or
   // along about the line of their closest points.

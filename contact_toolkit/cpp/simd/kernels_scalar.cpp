@@ -2,6 +2,7 @@
 #include "simd/box_kernel.h"
 #include "simd/facet_kernel.h"
 #include "simd/feature_kernel.h"
+#include "simd/point_kernel.h"
 
 namespace contact_toolkit {
 
@@ -11,7 +12,8 @@ void ThinFacetDistances(const double* a, const double* b, const double* X_AB, Fa
 
 const Kernels& ScalarKernels() {
   static constexpr Kernels kernels{
-      "scalar", 1, BoxPairs, BoxBounds, CullByAxes, FacetDistances<1>, FeatureDistances<1>};
+      "scalar",         1,          BoxPairs,          BoxBounds,          PointBoxBounds,
+      PointFacetBounds, CullByAxes, FacetDistances<1>, FeatureDistances<1>};
   return kernels;
 }
 
