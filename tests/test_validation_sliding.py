@@ -95,14 +95,40 @@ def test_a_box_slides_down_as_coulomb_says(record_property):
     check(record_property, (8, "sliding down: a [m/s²]"), expected, a, 0.005)
 
 
-def test_a_held_box_leans_on_its_tangential_springs(record_property):
-    """Row 8: the offset while stuck is m g sin θ / K_t, where nothing has slipped."""
+@pytest.mark.parametrize("resolution", [0.3, 0.1, 0.05])
+def test_a_held_box_leans_on_its_tangential_springs(record_property, resolution):
+    """Row 8: the offset while stuck is m g sin θ / K_t, where nothing has slipped.
+
+    Also where most nodes lie on the edges of the face, whose springs must not hang on the walls.
+    """
     mu, k = 0.5, 5 * K
     angle = math.atan(0.2 * mu)
-    # Stiff and of fine nodes: what sinks of the sides holds as well.
-    offset = BoxOnIncline(foundation(k=k, mu=mu, resolution=0.05), angle).slide(0.25)
+    offset = BoxOnIncline(foundation(k=k, mu=mu, resolution=resolution), angle).slide(0.25)
     expected = WEIGHT * math.sin(angle) / (KT * k / K)
     check(record_property, (8, "offset while stuck [m]"), expected, offset, 0.005)
+
+
+def test_a_box_does_not_walk_when_its_load_pulsates():
+    """A ratchet: weight and push swing together by half, at 0.9 of what friction bears."""
+    mu, share, period = 0.5, 0.9, 0.5
+    scene = Scene()
+    scene.floor()
+    body = scene.box("box", MASS, SIZE)
+
+    def push(t: float) -> np.ndarray:
+        lift = 0.5 * WEIGHT * math.sin(2 * math.pi * t / period) * (t > 1)
+        along = share * mu * (WEIGHT - lift) * min(1.0, t)
+        return np.array([0, -SIZE[2] / 2 * along, 0, along, 0, lift])  # at the face's height
+
+    run = scene.build(foundation(mu=mu), push)
+    run.place(body, p=(0, 0, SIZE[2] / 2 - SINK))
+    where = []
+    for cycle in range(8):
+        run.advance_to(1 + cycle * period)
+        where.append(run.point(body, [0, 0, -SIZE[2] / 2])[0])
+    steps = np.abs(np.diff(where))
+    assert steps[0] > 1e-9  # it settles in the first
+    assert steps[2:].max() < 1e-11
 
 
 @pytest.mark.slow

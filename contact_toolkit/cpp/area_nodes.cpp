@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "point_distance.h"
 #include "point_numbers.h"
@@ -112,6 +113,7 @@ void AreaNodes::BuildPatches() {
     first_root_.push_back(static_cast<std::int32_t>(roots_.size()));
     triangles = 0;
   };
+  const std::vector<std::int32_t> sides = FindSides(*mesh_);
   first_root_.push_back(0);
   for (const std::int32_t facet : mesh_->bvh().slot_facet) {
     const auto& f = mesh_->faces()[facet];
@@ -123,6 +125,7 @@ void AreaNodes::BuildPatches() {
       if (triangles + expected > kPatchTriangles || far) close();
       if (triangles == 0) corner = t[0];
       roots_.push_back(t);
+      side_of_root_.push_back(sides[facet]);
       triangles += expected;
     });
   }
@@ -137,9 +140,11 @@ const AreaPatch& AreaNodes::patch(std::int32_t index) const {
 
 std::unique_ptr<AreaPatch> AreaNodes::MakePatch(std::int32_t index) const {
   auto patch = std::make_unique<AreaPatch>();
-  PointNumbers numbers(&patch->nodes);
+  std::map<std::int32_t, PointNumbers> numbers_of_side;
   const auto whole = [](const Corners&) { return false; };
   for (std::int32_t root = first_root_[index]; root < first_root_[index + 1]; ++root) {
+    PointNumbers& numbers =
+        numbers_of_side.try_emplace(side_of_root_[root], &patch->nodes).first->second;
     Cut(roots_[root], whole, [&](const Corners& t) {
       AreaPatch::Triangle triangle{{}, AreaOf(t)};
       for (int k = 0; k < 3; ++k) {

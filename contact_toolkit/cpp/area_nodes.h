@@ -20,7 +20,8 @@
 namespace contact_toolkit {
 
 // Part of a surface. Nodes on the border to a neighbouring patch exist in both, each with the share
-// of the area that lies in its own.
+// of the area that lies in its own. So do those on a sharp edge, in the two sides it parts:
+// friction of a side then hangs on its own area and load.
 struct AreaPatch {
   struct Triangle {
     std::array<std::int32_t, 3> node;
@@ -62,7 +63,8 @@ class AreaNodes {
   double spacing_;
   std::unique_ptr<Bvh> sharp_edges_;  // as facets that repeat a vertex; null when there are none
   std::vector<Corners> roots_;        // facets, or the parts of large ones, in spatial order
-  std::vector<std::int32_t> first_root_;  // of each patch, and one past the last
+  std::vector<std::int32_t> side_of_root_;  // of the surface, see FindSides()
+  std::vector<std::int32_t> first_root_;    // of each patch, and one past the last
   SphereTree tree_;
   std::vector<FirstTouch<AreaPatch>> patches_;
 };

@@ -5,25 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "vec.h"
 
 namespace contact_toolkit {
 
-// Appends each new point to `points`, where a point's number is its place. A table with open
-// addressing: one look at memory for a point, wherever it comes in the order.
+// Appends each point that is new to it to `points`, where a point's number is its place; others may
+// append too. A table with open addressing: one look at memory for a point, wherever it comes in
+// the order.
 class PointNumbers {
  public:
   explicit PointNumbers(std::vector<Vec3>* points, std::size_t expected = 0)
       : points_(*points), table_(std::bit_ceil(2 * expected + 16), -1) {}
 
   std::int32_t Of(const Vec3& p) {
-    if (2 * points_.size() >= table_.size()) Grow();
+    if (2 * count_ >= table_.size()) Grow();
     std::int32_t* place = Place(p);
     if (*place < 0) {
       *place = static_cast<std::int32_t>(points_.size());
       points_.push_back(p);
+      ++count_;
     }
     return *place;
   }
@@ -50,14 +53,16 @@ class PointNumbers {
   }
 
   void Grow() {
-    table_.assign(2 * table_.size(), -1);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      *Place(points_[i]) = static_cast<std::int32_t>(i);
+    std::vector<std::int32_t> old(2 * table_.size(), -1);
+    std::swap(old, table_);
+    for (const std::int32_t number : old) {
+      if (number >= 0) *Place(points_[number]) = number;
     }
   }
 
   std::vector<Vec3>& points_;
   std::vector<std::int32_t> table_;  // -1: nothing there
+  std::size_t count_ = 0;            // of numbers in the table
 };
 
 }  // namespace contact_toolkit

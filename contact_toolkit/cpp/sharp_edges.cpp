@@ -1,6 +1,7 @@
 #include "sharp_edges.h"
 
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 
 namespace contact_toolkit {
@@ -51,6 +52,23 @@ std::vector<std::int32_t> FindSharpEdges(const CollisionMesh& mesh) {
     }
   }
   return sharp;
+}
+
+std::vector<std::int32_t> FindSides(const CollisionMesh& mesh) {
+  std::vector<std::int32_t> side(mesh.faces().size());  // a facet of it; the one that is its own
+  std::iota(side.begin(), side.end(), 0);
+  const auto find = [&](std::int32_t f) {
+    while (side[f] != f) f = side[f] = side[side[f]];
+    return f;
+  };
+  std::vector<char> parts(mesh.edges().size(), 0);
+  for (const std::int32_t edge : FindSharpEdges(mesh)) parts[edge] = 1;
+  for (std::size_t e = 0; e < parts.size(); ++e) {
+    const auto [f, g] = mesh.edge_faces()[e];
+    if (g >= 0 && !parts[e]) side[find(f)] = find(g);
+  }
+  for (std::int32_t& s : side) s = find(s);
+  return side;
 }
 
 std::vector<StraightEdge> JoinSharpEdges(const CollisionMesh& mesh) {
