@@ -1,5 +1,6 @@
 #include "column.h"
 
+#include <algorithm>
 #include <bit>
 #include <mutex>
 
@@ -14,6 +15,8 @@ constexpr std::size_t kSmallest = 1 << 8, kMostHeld = 1 << 27;  // [bytes]
 constexpr std::align_val_t kCacheLine{64};  // vectors that straddle lines cost two loads
 
 constexpr std::size_t kHugePage = 1 << 21;  // [bytes] takes one entry of the address cache, not 512
+
+std::size_t SizeOf(std::size_t bytes) { return std::bit_ceil(std::max(bytes, kSmallest)); }
 
 std::align_val_t AlignmentOf(std::size_t size) {
   return size < kHugePage ? kCacheLine : std::align_val_t{kHugePage};
@@ -42,8 +45,7 @@ Stock& TheStock() {
 }  // namespace
 
 void* TakeBlock(std::size_t bytes) {
-  if (bytes < kSmallest) return ::operator new(bytes, kCacheLine);
-  const std::size_t size = std::bit_ceil(bytes);
+  const std::size_t size = SizeOf(bytes);
   Stock& stock = TheStock();
   {
     const std::lock_guard lock(stock.mutex);
@@ -59,9 +61,9 @@ void* TakeBlock(std::size_t bytes) {
 }
 
 void GiveBlock(void* block, std::size_t bytes) noexcept {
-  if (bytes >= kSmallest) {
-    const std::size_t size = std::bit_ceil(bytes);
-    Stock& stock = TheStock();
+  const std::size_t size = SizeOf(bytes);
+  Stock& stock = TheStock();
+  {
     const std::lock_guard lock(stock.mutex);
     if (stock.held + size <= kMostHeld) {
       stock.blocks[std::countr_zero(size)].push_back(block);
@@ -69,7 +71,7 @@ void GiveBlock(void* block, std::size_t bytes) noexcept {
       return;
     }
   }
-  ::operator delete(block, AlignmentOf(std::bit_ceil(bytes)));
+  ::operator delete(block, AlignmentOf(size));
 }
 
 }  // namespace contact_toolkit

@@ -10,7 +10,7 @@
 
 namespace contact_toolkit {
 
-// Blocks of at least 256 B in sizes of powers of two; up to 128 MB lie in wait. Thread-safe.
+// Blocks in sizes of powers of two from 256 B; up to 128 MB lie in wait. Thread-safe.
 void* TakeBlock(std::size_t bytes);
 void GiveBlock(void* block, std::size_t bytes) noexcept;
 
