@@ -17,7 +17,7 @@ from pydrake.multibody.tree import RigidBody, SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, DiagramBuilder
 
-from benchmarks.contact_forces import SPRINGS, loaded_model
+from benchmarks.contact_forces import SPRINGS, loaded
 from benchmarks.harness import Row, Stopwatch
 from benchmarks.mesh_pairs import Pose, doughnut_on_cone
 from benchmarks.witness_coherent import closed_path
@@ -31,9 +31,9 @@ _FAR = 10.0  # [m] apart, nothing is found
 def measure(watch: Stopwatch, coarser: int = 1) -> Iterator[Row]:
     """Move the doughnut on the fixed cone, and far from it."""
     pair = doughnut_on_cone(coarser)
-    path = closed_path(pair.poses["tilted"])
-    X_FB = np.stack([np.eye(4), path[0]])
-    model = loaded_model(*pair.meshes(), X_FB, SPRINGS // coarser**2, {"web": "area"})
+    springs = SPRINGS // coarser**2
+    model, X_AB = loaded(*pair.meshes(), pair.poses["tilted"], springs, {"web": "area"})
+    path = closed_path(X_AB)
     far = [X_AB.copy() for X_AB in path]
     for X_AB in far:
         X_AB[2, 3] += _FAR
@@ -48,8 +48,8 @@ def measure(watch: Stopwatch, coarser: int = 1) -> Iterator[Row]:
             without.derivatives,
             partial(next, map(evaluate, cycle(X_FBs))),
         )
-        springs = len(model.find(X_FBs[0]))
-        yield Row(NAME, case, "sum of both", both, plant + native, size=pair.facets, output=springs)
+        output = len(model.find(X_FBs[0]))
+        yield Row(NAME, case, "sum of both", both, plant + native, size=pair.facets, output=output)
 
 
 class Falling:

@@ -23,7 +23,10 @@ DistanceBounds::DistanceBounds(std::shared_ptr<const ProbedSurface> surface, dou
   half_ = 0.5 * (mesh.upper() - mesh.lower());
   const double largest = std::max({half_.x, half_.y, half_.z});
   far_ = 0.4 * largest;
-  for (int level = 0; level < kLevels; ++level) spacing_[level] = std::ldexp(finest, level);
+  for (int level = 0; level < kLevels; ++level) {
+    spacing_[level] = std::ldexp(finest, level);
+    inverse_spacing_[level] = 1 / spacing_[level];
+  }
   constexpr int kHalfAxis = 1 << (kAxisBits - 1);
   while (first_level_ + 1 < kLevels && spacing_[first_level_] * (kHalfAxis - 2) < 1.5 * largest) {
     ++first_level_;
@@ -70,7 +73,7 @@ DistanceBounds::Known DistanceBounds::Near(const Vec3& local, double radius) con
   std::array<std::int32_t, 3> index;
   double squared_offset = 0;
   for (int i = 0; i < 3; ++i) {
-    const double x = local[i] / spacing_[level];
+    const double x = local[i] * inverse_spacing_[level];
     constexpr double kHalfAxis = 1 << (kAxisBits - 1);
     if (!(std::abs(x) < kHalfAxis - 1)) return {-std::numeric_limits<double>::infinity(), 0};
     index[i] = static_cast<std::int32_t>(x + kHalfAxis + 0.5);  // counted from the lattice's corner

@@ -53,7 +53,7 @@ class DistanceBounds {
   std::shared_ptr<const ProbedSurface> surface_;
   Vec3 middle_, half_;
   double far_;  // [m] outside the box by more than this, no lattice is consulted
-  std::array<double, kLevels> spacing_;
+  std::array<double, kLevels> spacing_, inverse_spacing_;
   int first_level_ = 0;  // finer ones have too many points for their names
   std::unique_ptr<Set[]> sets_;
 };
