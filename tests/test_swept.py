@@ -115,6 +115,17 @@ def test_translation_is_exact(name_a, name_b, rng):
     assert abs(np.linalg.norm(found.p_ACa - found.p_ACb) - truth) < 1e-13
 
 
+@pytest.mark.parametrize("name_b", sorted(_MESHES))
+@pytest.mark.parametrize("name_a", sorted(_MESHES))
+def test_no_pair_of_facets_is_overlooked(name_a, name_b):
+    """A pair that is put off because another seems closer, and then forgotten: one in seventy."""
+    A, B = _MESHES[name_a], _MESHES[name_b]
+    for seed in range(10):
+        X0, X1 = _random_motion(np.random.default_rng(seed), turn=0)
+        found = swept_distance(A, B, X0, X1).distance
+        assert abs(found - _swept_by_prisms(A, B, X0, X1)) < 1e-13
+
+
 @given(names, names, rngs, st.sampled_from([1e-3, 0.3, 1.5]))
 def test_rotation_is_certified(name_a, name_b, rng, turn):
     """A lower bound above a distance that does occur, or an error above the tolerance."""
