@@ -8,14 +8,12 @@ an error of its own that names no body.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_toolkit import ContactModel, Forces
-from systems.accepted_step import AcceptedStep, busiest_pair
+from systems.accepted_step import AcceptedStep, Poses, busiest_pair
 from systems.explicit_stability import ContactFrequency
 
 # [s], and as a share of the time: a thousand and ten times the least step of Drake's integrators.
@@ -28,6 +26,8 @@ _STEPS = 1000
 _PHASE = 0.1
 # By what share the torque changes in a step, on average over them: where forces are smooth, hardly.
 _LEAP = 0.01
+# Torque below this share of the force times the size of the smallest geometry is rounding.
+_NOISE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Streak:
     tiny
         How many of the last were tiny.
     slow, leaps
-        Whether those before got nowhere; then, the sum of relative changes of torque.
+        Whether the thousand before got nowhere; only then, the sum of relative changes of torque.
     told
         Whether it has been warned of.
     """
@@ -75,19 +75,20 @@ class Chatter:
         self._model = model
         self._frequency = frequency
         self._raise = when_chattering == "raise"
+        self._size = min(geometry.mesh.diagonal for geometry in model.geometries)
 
-    def look(
-        self, streak: Streak, step: AcceptedStep, poses: Callable[[], NDArray[np.float64]]
-    ) -> Streak:
+    def look(self, streak: Streak, step: AcceptedStep, poses: Poses) -> Streak:
         """Raise RuntimeError, or warn, of chatter; return the streak after the step."""
         start, duration = step.before.forces, step.duration
-        if start is None or not duration > 0 or streak.told:
+        if duration == 0 or streak.told:
             return streak
-        # Where surfaces cross, or are in too deep, forces have no side and no potential either.
-        if not len(step.forces.found) or step.forces.found.status.any():
+        found = step.forces.found
+        # Another run begins, or contact ends. Where surfaces cross, or are in too deep, forces have
+        # no side and no potential either.
+        if start is None or duration < 0 or not len(found) or found.status.any():
             return Streak() if streak.count else streak
         scale = max(1.0, step.after.time)
-        leap = _leap(start, step.forces) if streak.slow else 0.0
+        leap = self._leap(start, step.forces) if streak.slow else 0.0
         streak = Streak(
             since=streak.since if streak.count else step.before.time,
             count=streak.count + 1,
@@ -113,7 +114,7 @@ class Chatter:
         count: int,
         length: float,
         step: AcceptedStep,
-        poses: Callable[[], NDArray[np.float64]],
+        poses: Poses,
     ) -> Streak:
         contacts = step.forces.contacts
         phase = length * self._frequency.bound(poses(), contacts)
@@ -128,9 +129,12 @@ class Chatter:
         warnings.warn(message, RuntimeWarning, stacklevel=2)
         return replace(streak, told=True)
 
-
-def _leap(start: Forces, end: Forces) -> float:
-    """Return by what share of itself the torque on bodies changes."""
-    before, after = start.body_wrenches[:, :3], end.body_wrenches[:, :3]
-    largest = max(np.abs(before).max(), np.abs(after).max())
-    return float(np.abs(after - before).max() / largest) if largest > 0 else 0.0
+    def _leap(self, start: Forces, end: Forces) -> float:
+        """Return by what share of itself the torque on bodies changes; not of what is rounding."""
+        before, after = start.body_wrenches, end.body_wrenches
+        torque, force = (
+            max(np.abs(before[:, part]).max(), np.abs(after[:, part]).max())
+            for part in (slice(0, 3), slice(3, 6))
+        )
+        largest = max(torque, _NOISE * force * self._size)
+        return float(np.abs(after - before)[:, :3].max() / largest) if largest > 0 else 0.0

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import ContactModel, ContactStatus, Forces
-from systems.accepted_step import AcceptedStep
+from systems.accepted_step import AcceptedStep, Poses
 from systems.chatter import Chatter, Streak
 from systems.explicit_stability import ContactFrequency
 from systems.step_resolution import Ledger, StepResolution
@@ -90,9 +89,7 @@ class ContactWatch:
         self._resolution = StepResolution(model, self._frequency, gravity)
         self._chatter = Chatter(model, self._frequency, when_chattering)
 
-    def look(
-        self, reported: Reported, step: AcceptedStep, poses: Callable[[], NDArray[np.float64]]
-    ) -> Reported:
+    def look(self, reported: Reported, step: AcceptedStep, poses: Poses) -> Reported:
         """Warn of what is new in a step; return what has been reported then.
 
         Parameters
@@ -137,9 +134,7 @@ class ContactWatch:
             warnings.warn(message, RuntimeWarning, stacklevel=2)
         return replace(reported, statuses=reported.statuses | seen)
 
-    def _look_for_instability(
-        self, reported: Reported, forces: Forces, poses: Callable[[], NDArray[np.float64]]
-    ) -> Reported:
+    def _look_for_instability(self, reported: Reported, forces: Forces, poses: Poses) -> Reported:
         frequency = self._frequency.bound(poses(), forces.contacts)
         share = self._time_step * frequency / 2
         if share <= min(1.0, max(_WARN_ABOVE, _WORSE * reported.stable_share)):

@@ -8,14 +8,12 @@ and (ωh)³/3 amid it, whatever the integrator; at rest it is exact.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_toolkit import ContactModel, Forces
-from systems.accepted_step import AcceptedStep, busiest_pair
+from systems.accepted_step import AcceptedStep, Poses, busiest_pair
 from systems.explicit_stability import ContactFrequency
 
 # Share of the most ever stored by which one step's ledger may be off. The energy of a bounce is
@@ -31,15 +29,14 @@ _FINE = 0.01
 # Phase of the contact's swing [rad] to ask for in a step.
 _PHASE = 0.3
 
-Poses = Callable[[], NDArray[np.float64]]
-
 
 @dataclass(frozen=True)
 class Ledger:
-    """The most stored [J] so far, the most a step was off [J]; what has been warned about."""
+    """The most stored [J]; the most a step was off [J], and its length [s]; what was told."""
 
     most_stored: float = 0.0
     most_off: float = 0.0
+    off_in: float = 0.0
     told_share: float = _OFF / _WORSE  # so that _OFF is told
     told_missed: bool = False
 
@@ -66,6 +63,8 @@ class StepResolution:
     def look(self, ledger: Ledger, step: AcceptedStep, poses: Poses) -> Ledger:
         """Warn of a step too long for contact; return the ledger after it."""
         start, end = step.before.forces, step.forces
+        if step.duration < 0:  # another run
+            return replace(ledger, most_stored=0.0, most_off=0.0)
         if start is None or not step.duration > 0:
             return ledger
         if len(start.found) or len(end.found):
@@ -77,22 +76,26 @@ class StepResolution:
         lost = step.after.lost - step.before.lost
         given = step.duration / 2 * (start.power_given + step.forces.power_given)
         off = abs(has - had + lost + given)
-        most_stored, most_off = max(ledger.most_stored, had, has), ledger.most_off
+        most_stored = max(ledger.most_stored, had, has)
         allowed = _WORSE * ledger.told_share * most_stored
         slowest = self._gravity * step.duration
-        if off > max(most_off, allowed) and _approach(start, step.forces) > slowest:
-            most_off = off
-        if most_off > ledger.most_off or most_stored > ledger.most_stored:
-            ledger = replace(ledger, most_stored=most_stored, most_off=most_off)
+        if (
+            off > max(ledger.most_off, allowed)
+            and _approach(start, step.forces) > slowest
+            and not step.jumped
+        ):
+            ledger = replace(ledger, most_off=off, off_in=step.duration)
+        if most_stored > ledger.most_stored:
+            ledger = replace(ledger, most_stored=most_stored)
         # The first step into contact can be judged only when the most has been stored.
-        if has >= had or most_off <= allowed:
+        if has >= had or ledger.most_off <= allowed:
             return ledger
         share = ledger.most_off / ledger.most_stored
         self._warn(
             f"a step was off by {share:.0%} of the energy that the contact stored"
             if share < 1
             else "a step was off by more than the energy that the contact stored",
-            step,
+            ledger.off_in,
             start,
             poses,
         )
@@ -103,23 +106,24 @@ class StepResolution:
     ) -> Ledger:
         """Look for contact that began and ended within the step."""
         v0, v1 = start.V_FB[:, 3:], step.forces.V_FB[:, 3:]
-        if ledger.told_missed or np.abs(v1 - v0).max() <= _ABRUPT * np.abs(v0).max():
+        slow = max(_ABRUPT * np.abs(v0).max(), self._gravity * step.duration)
+        if ledger.told_missed or np.abs(v1 - v0).max() <= slow or step.jumped:
             return ledger
         met = self._model.coast(step.before, step.duration)
         if met is None or not len(met.contacts):
             return ledger
-        self._warn("they met and parted within a step", step, met, poses)
+        self._warn("they met and parted within a step", step.duration, met, poses)
         return replace(ledger, told_missed=True)
 
-    def _warn(self, found: str, step: AcceptedStep, loaded: Forces, poses: Poses) -> None:
+    def _warn(self, found: str, length: float, loaded: Forces, poses: Poses) -> None:
         contacts = loaded.contacts
         # Of bodies that only their joints make heavy it is not known.
-        frequency = self._frequency.bound(poses(), contacts) or 1 / step.duration
+        frequency = self._frequency.bound(poses(), contacts) or 1 / length
         deformation = max(contacts.deformation.max(), contacts.rate.max() / frequency)
         warnings.warn(
-            f"{busiest_pair(self._model, contacts)}: steps of {step.duration:.2g} s are too long "
+            f"{busiest_pair(self._model, contacts)}: steps of {length:.2g} s are too long "
             f"for it, {found}; call set_target_accuracy({_FINE * deformation:.0e}) of the "
-            f"integrator, or set max_step to {_PHASE / frequency:.0e} s",
+            f"integrator, or set max_step to {min(_PHASE / frequency, length / 2):.0e} s",
             RuntimeWarning,
             stacklevel=2,
         )

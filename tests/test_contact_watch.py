@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from pydrake.common import MemoryFile
-from pydrake.geometry import Box, InMemoryMesh, Mesh
+from pydrake.geometry import Box, InMemoryMesh, Mesh, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, SpatialInertia, UnitInertia
@@ -246,29 +246,62 @@ def test_what_is_not_too_deep_is_not_told(ground, height, contact):
     simulator.AdvanceTo(0.02)
 
 
-@pytest.mark.parametrize("k", [1e8, 1e10])
-def test_rest_on_stiff_contact_is_silent(k):
-    """Shaking at the size of the integrator's accuracy, taken for impacts."""
+def body_at_rest(k, shape):
+    """A simulator of a body of 1 kg at its resting depth on the ground, and its plant."""
     side, mass = 0.1, 1.0
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
-    cube = plant.AddRigidBody("cube", SpatialInertia.SolidBoxWithMass(mass, side, side, side))
-    for owner, size, z in ((cube, side, 0.0), (plant.world_body(), 1.0, -0.5)):
-        plant.RegisterCollisionGeometry(
-            owner,
-            RigidTransform([0, 0, z]),
-            Box(size, size, size),
-            "box",
-            CoulombFriction(0.5, 0.5),
-        )
+    body = plant.AddRigidBody("body", SpatialInertia.SolidBoxWithMass(mass, side, side, side))
+    for owner, geometry, z in (
+        (body, shape(side), 0.0),
+        (plant.world_body(), Box(1, 1, 1), -0.5),
+    ):
+        rough = CoulombFriction(0.5, 0.5)
+        plant.RegisterCollisionGeometry(owner, RigidTransform([0, 0, z]), geometry, "g", rough)
     plant.Finalize()
     config = ContactConfig(k=k, alpha=1.0, resolution=0.1)
     AddNonlinearDamperContact(builder, plant, scene_graph, config=config)
     simulator = Simulator(builder.Build())
-    sunk = mass * 9.81 / (k * side**2)
+    put(simulator, plant, side / 2 - mass * 9.81 / (k * side**2))
+    return simulator, plant
+
+
+def put(simulator, plant, height, *, v=0.0):
     context = plant.GetMyContextFromRoot(simulator.get_context())
-    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, side / 2 - sunk])
+    plant.SetPositions(context, [1, 0, 0, 0, 0, 0, height])
+    plant.SetVelocities(context, [0, 0, 0, 0, 0, v])
+
+
+def cube(side):
+    return Box(side, side, side)
+
+
+@pytest.mark.parametrize("k", [1e8, 1e10])
+def test_rest_on_stiff_contact_is_silent(k):
+    """Shaking at the size of the integrator's accuracy, taken for impacts."""
+    simulator, _ = body_at_rest(k, cube)
     simulator.AdvanceTo(0.3)
+
+
+@pytest.mark.parametrize("shape", [cube, lambda side: Sphere(side / 2)], ids=["box", "ball"])
+def test_short_steps_under_a_torque_of_rounding_are_no_chatter(shape):
+    """Steps far shorter than contact needs, and a torque that is noise, taken for leaps."""
+    simulator, _ = body_at_rest(2.5e5, shape)
+    integrator = simulator.get_mutable_integrator()
+    integrator.set_maximum_step_size(1e-6)
+    integrator.request_initial_step_size_target(1e-6)
+    integrator.set_fixed_step_mode(True)
+    simulator.AdvanceTo(4e-3)
+
+
+def test_bodies_put_elsewhere_by_hand_are_no_impact():
+    """A pose set between two advances, taken for what contact did in a step."""
+    simulator, plant = body_at_rest(1e6, cube)
+    put(simulator, plant, 0.049, v=-0.3)
+    for height in (0.08, 0.0485, 0.049, 0.06):
+        simulator.AdvanceTo(simulator.get_context().get_time() + 2e-3)
+        put(simulator, plant, height, v=-0.3)
+    simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
 
 
 def test_a_system_made_by_hand_knows_its_bodies_by_name():

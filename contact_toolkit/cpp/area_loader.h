@@ -65,9 +65,13 @@ class AreaWeb::Loader {
   }
 
   void ProbeIfNear(std::int32_t i) {
-    Probed& node = scratch_.probed[i];
-    node.p = X_PS_ * nodes_[i].p;
-    if (probe_.IfNear(i, node.p, nodes_[i].clearance, &node.field)) Take(i);
+    if constexpr (Probe::kStopsEarly) {
+      Probed& node = scratch_.probed[i];
+      node.p = X_PS_ * nodes_[i].p;
+      if (probe_.IfNear(node.p, nodes_[i].clearance, &node.field)) Take(i);
+    } else {
+      ProbeAt(i);
+    }
   }
 
   void Take(std::int32_t i) {

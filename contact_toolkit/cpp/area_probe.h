@@ -1,7 +1,8 @@
 // The fields that nodes of the area web probe, each remembering what helps with the next node.
 // `Clearance`: of a node at p, when it may yet move by `slack` [m]; it takes less work than the
-// value. `IfNear`: the value, unless it is found on the way there that a node of such a clearance
-// bears no load. `kSteepest`: no value changes faster than this many times the way moved.
+// value. `kStopsEarly`: has `IfNear`, the value, unless it is found on the way there that a node of
+// such a clearance bears no load. `kSteepest`: no value changes faster than this many times the way
+// moved.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace contact_toolkit {
 
 class ExactProbe {
  public:
-  static constexpr bool kTellsSide = true;
+  static constexpr bool kTellsSide = true, kStopsEarly = true;
   static constexpr double kSteepest = 1;
 
   ExactProbe(const ProbedSurface& surface, const DistanceBounds& bounds, double standoff)
@@ -36,8 +37,8 @@ class ExactProbe {
   }
 
   // Where the surface is farther away than the node can be deep, the node is outside.
-  bool IfNear(std::int32_t /*node*/, const Vec3& p, double clearance, FieldValue* value) {
-    const double deepest = -(standoff_ + clearance);
+  bool IfNear(const Vec3& p, double clearance, FieldValue* value) {
+    const double deepest = surface_.closed() ? -(standoff_ + clearance) : 0.0;
     if (!surface_.ProbeWithin(p, std::max(standoff_, deepest), hint_, value)) return false;
     hint_ = value->slot;
     return true;
@@ -53,17 +54,13 @@ class ExactProbe {
 // Of nodes that have moved by no more than `motion` [m] since their closest facets were gathered.
 class RecallingProbe {
  public:
-  static constexpr bool kTellsSide = true;
+  static constexpr bool kTellsSide = true, kStopsEarly = false;
 
   RecallingProbe(const ProbedSurface& surface, const NearFacets& facets, double motion)
       : surface_(surface), facets_(facets), motion_(motion) {}
 
   FieldValue operator()(std::int32_t node, const Vec3& p) {
     return surface_.Probe(p, facets_.Of(node), motion_);
-  }
-  bool IfNear(std::int32_t node, const Vec3& p, double /*clearance*/, FieldValue* value) {
-    *value = (*this)(node, p);
-    return true;
   }
 
  private:
@@ -74,7 +71,7 @@ class RecallingProbe {
 
 class SmoothProbe {
  public:
-  static constexpr bool kTellsSide = false;
+  static constexpr bool kTellsSide = false, kStopsEarly = false;
   static constexpr double kSteepest = SmoothField::kSteepest;
 
   SmoothProbe(const SmoothField& field, const DistanceBounds& bounds, double standoff)
@@ -95,10 +92,6 @@ class SmoothProbe {
   }
 
   FieldValue operator()(std::int32_t /*node*/, const Vec3& p) { return field_.Probe(p, &cursor_); }
-  bool IfNear(std::int32_t node, const Vec3& p, double /*clearance*/, FieldValue* value) {
-    *value = (*this)(node, p);
-    return true;
-  }
 
  private:
   const SmoothField& field_;

@@ -5,8 +5,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "area_loader.h"
 #include "area_memory.h"

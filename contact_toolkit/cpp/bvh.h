@@ -27,7 +27,7 @@ struct alignas(64) BvhNode {
   bool bottom() const { return block >= 0; }
 };
 
-// The facets of one bottom node in single precision, for culling by planes before the exact test.
+// The facets of one bottom node in single precision, for culling before the exact test.
 struct alignas(64) FacetBlock {
   float vertex[3][3][kBvhWidth];  // [corner][axis][lane], relative to Bvh::origin
   float normal[3][kBvhWidth];     // unit, or zero for a facet too thin to have a reliable plane

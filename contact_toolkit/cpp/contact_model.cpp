@@ -1,6 +1,5 @@
 #include "contact_model.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>

@@ -1,7 +1,6 @@
 #include "swept.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "impact_query.h"
 #include "rotation_query.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "node_extents.h"
@@ -120,7 +119,7 @@ void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
     MeasurePosed();
     CullPrisms();
   }
-  if (chunk_.count == 0) return;
+  if (chunk_.count == 0 || !(best_.distance > 0)) return;
   MeasureLast();
   for (int i = 0; i < chunk_.count; ++i) {
     if (!(bound_[i] < ToBeat())) continue;

@@ -1,8 +1,5 @@
 #include "witness.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "facet_pair.h"
 #include "merge_table.h"
 #include "parallel.h"

@@ -3,7 +3,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -113,6 +112,8 @@ num_probed
     (m,) facet pairs within the standoff (facet web), nodes looked at (area web).
 status
     (m,) bits of `ContactStatus`.
+p_FBo
+    (nb, 3) where the origins of all bodies are [m].
 )";
 
 constexpr const char* kContactArraysDoc = R"(The loaded springs of a model, one row each; immutable.
@@ -207,8 +208,15 @@ void BindFound(nb::module_& m) {
                      return PerPair<std::int64_t>(
                          self, [](const PairSprings& p) { return p.springs.facet_pairs; });
                    })
-      .def_prop_ro("status", [](const Found& self) {
-        return PerPair<std::int32_t>(self, [](const PairSprings& p) { return p.springs.status; });
+      .def_prop_ro("status",
+                   [](const Found& self) {
+                     return PerPair<std::int32_t>(
+                         self, [](const PairSprings& p) { return p.springs.status; });
+                   })
+      .def_prop_ro("p_FBo", [](const Found& self) {
+        std::vector<Vec3> origins;
+        for (const Pose& X_FB : self.X_FB) origins.push_back(X_FB.p);
+        return ToNumpy(std::move(origins));
       });
 }
 
