@@ -296,9 +296,10 @@ void BindStepTable(nb::module_& m) {
                    })
       .def_prop_ro("lost",
                    [](const StepTable& self) { return self.damping_loss + self.friction_loss; })
-      .def_prop_ro("forces", [](const StepTable& self) {
-        return std::const_pointer_cast<Forces>(self.forces);
-      });
+      .def_prop_ro(
+          "forces",
+          [](const StepTable& self) { return std::const_pointer_cast<Forces>(self.forces); },
+          nb::sig("def forces(self) -> Forces | None"));
 }
 
 }  // namespace
