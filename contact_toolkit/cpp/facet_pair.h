@@ -47,13 +47,20 @@ void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness
 // The features on which the closest points of entry k of a measured chunk lie.
 FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k);
 
+// Entry k of a chunk's points or directions.
+inline Vec3 At(const double (&x)[3][FacetPairs::kPadded], int k) {
+  return {x[0][k], x[1][k], x[2][k]};
+}
+
+// Whether the kernels leave open its point or direction.
+inline bool Touch(const PosedPair& pair, const FacetPairs& chunk, int k) {
+  return chunk.distance[k] <= kTouching * pair.size;
+}
+
 // Its closest points, their distance, and the direction from B towards A.
 inline Witness WitnessOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
-  const auto at = [k](const double (&x)[3][FacetPairs::kPadded]) {
-    return Vec3{x[0][k], x[1][k], x[2][k]};
-  };
-  Witness w{chunk.distance[k], at(chunk.point_a), at(chunk.point_b), at(chunk.normal)};
-  if (w.distance <= kTouching * pair.size) MendTouching(pair, chunk, k, &w);
+  Witness w{chunk.distance[k], At(chunk.point_a, k), At(chunk.point_b, k), At(chunk.normal, k)};
+  if (Touch(pair, chunk, k)) MendTouching(pair, chunk, k, &w);
   return w;
 }
 

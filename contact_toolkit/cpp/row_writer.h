@@ -28,12 +28,14 @@ struct RowWriter {
         ++rows->multiplicity[*row];
         continue;
       }
-      const Witness w = WitnessOf(pair, chunk, k);
       if (row != nullptr) *row = next;
-      rows->distance[next] = w.distance;
-      rows->p_ACa[next] = w.p_ACa;
-      rows->p_ACb[next] = w.p_ACb;
-      rows->normal_A[next] = w.normal_A;
+      if (Touch(pair, chunk, k)) {
+        const Witness w = WitnessOf(pair, chunk, k);
+        Write(next, w.distance, w.p_ACa, w.p_ACb, w.normal_A);
+      } else {
+        Write(next, chunk.distance[k], At(chunk.point_a, k), At(chunk.point_b, k),
+              At(chunk.normal, k));
+      }
       rows->facet_a[next] = pair.A.bvh().slot_facet[chunk.slot_a[k]];
       rows->facet_b[next] = pair.B.bvh().slot_facet[chunk.slot_b[k]];
       rows->feature_a[next] = features.a;
@@ -43,6 +45,16 @@ struct RowWriter {
     }
     rows->Resize(next);
     return true;
+  }
+
+ private:
+  // From the chunk straight to the columns: a Witness in between would have to be stored number by
+  // number and read again in pairs, which the processor waits for.
+  void Write(std::int32_t row, double distance, Vec3 p_ACa, Vec3 p_ACb, Vec3 normal_A) const {
+    rows->distance[row] = distance;
+    rows->p_ACa[row] = p_ACa;
+    rows->p_ACb[row] = p_ACb;
+    rows->normal_A[row] = normal_A;
   }
 };
 
