@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace contact_toolkit {
 namespace {
 
 // Levels below a node that are looked into before its descendants' boxes stand in for their facets.
-constexpr int kLevels = 2;
+// More would see less stick out of the boxes, but fetch eight times as many nodes.
+constexpr int kLevels = 1;
 
 }  // namespace
 
@@ -25,7 +27,8 @@ float NodeExtents::Least(std::int32_t node) {
 }
 
 float NodeExtents::LeastBelow(const BvhNode& node, int levels) {
-  float least[kBvhWidth];
+  // Unused lanes repeat a used one, or hold no less.
+  alignas(32) float least[kBvhWidth];
   if (node.bottom()) {
     const FacetBlock& block = bvh_->blocks[node.block];
     for (int k = 0; k < kBvhWidth; ++k) {
@@ -37,6 +40,7 @@ float NodeExtents::LeastBelow(const BvhNode& node, int levels) {
       least[k] = std::min(std::min(at[0], at[1]), at[2]);
     }
   } else if (levels > 0) {
+    std::fill_n(least, kBvhWidth, std::numeric_limits<float>::infinity());
     for (int k = 0; k < node.count; ++k) {
       const BvhNode& child = bvh_->nodes[node.child[k]];
       least[k] = child.bottom() ? Least(node.child[k]) : LeastBelow(child, levels - 1);
@@ -49,7 +53,10 @@ float NodeExtents::LeastBelow(const BvhNode& node, int levels) {
       }
     }
   }
-  return *std::min_element(least, least + node.count);
+  for (int width = kBvhWidth / 2; width > 0; width /= 2) {
+    for (int k = 0; k < width; ++k) least[k] = std::min(least[k], least[k + width]);
+  }
+  return least[0];
 }
 
 }  // namespace contact_toolkit

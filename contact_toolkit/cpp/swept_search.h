@@ -57,6 +57,7 @@ class SweptSearch {
         query_(*query) {}
 
   void Run() {
+    stack_.reserve(kBvhWidth * kBvhWidth);
     stack_.push_back({0, 0, 0, 0});
     while (!stack_.empty()) {
       const Item item = stack_.back();
@@ -124,12 +125,14 @@ class SweptSearch {
     query_.Order(a, b, bound, order);
     struct Next {
       float order;
-      Item item;
+      std::int32_t index;  // into items: these are larger, and need not be moved about
     };
     Next next[kBvhWidth * kBvhWidth];
+    Item items[kBvhWidth * kBvhWidth];
     int count = 0;
     const auto add = [&](Bound least, float first, std::int32_t next_a, std::int32_t next_b) {
-      next[count++] = {first, {least, next_a, next_b, item.slice}};
+      next[count] = {first, count};
+      items[count++] = {least, next_a, next_b, item.slice};
     };
     // A bottom node stays while the other side descends.
     if (a.bottom()) {
@@ -158,7 +161,7 @@ class SweptSearch {
     }
     std::sort(next, next + count, [](const Next& x, const Next& y) { return x.order < y.order; });
     // The first last, so that it is opened first.
-    for (int i = count; i-- > 0;) stack_.push_back(next[i].item);
+    for (int i = count; i-- > 0;) stack_.push_back(items[next[i].index]);
   }
 
   template <typename Bound>

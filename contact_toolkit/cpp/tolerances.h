@@ -129,6 +129,8 @@ inline constexpr double kCoarse = 0.1;
 // [-] The direction along which nodes are culled serves until the distance has fallen by this share
 // of itself or, as far away it hardly changes with the direction, of the smaller body's size.
 inline constexpr double kStaleAim = 0.01;
+// ... and longer in a sweep, where the direction changes with the time of the closest pair.
+inline constexpr double kStaleSweptAim = 0.08;
 // [-] No slice is shorter than this share of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 

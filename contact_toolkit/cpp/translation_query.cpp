@@ -4,7 +4,6 @@
 #include <array>
 #include <limits>
 
-#include "node_extents.h"
 #include "scratch.h"
 #include "tolerances.h"
 
@@ -36,7 +35,9 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       motion_(motion),
       meshes_(A.mesh() != nullptr && B.mesh() != nullptr),
       lowest_(kInfinity),
-      stale_below_(kInfinity) {
+      stale_below_(kInfinity),
+      extents_a_(Extents(0)),
+      extents_b_(Extents(1)) {
   best_.distance = upper_bound;
   // To begin with, the start; but of a long way, when the bodies' middles are closest.
   const Vec3 from = motion.At(0) * B.bvh().origin - A.bvh().origin, &way = motion.translation();
@@ -49,22 +50,22 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
 bool TranslationQuery::Apart(std::int32_t node_a, std::int32_t node_b) {
   if (!meshes_ || best_.index_a < 0) return false;
   if (best_.distance < stale_below_) Aim();
-  const double apart = double{Extents(0).Least(node_a)} + Extents(1).Least(node_b) - offset_;
+  const double apart = double{extents_a_.Least(node_a)} + extents_b_.Least(node_b) - offset_;
   return apart > best_.distance * length_;
 }
 
 void TranslationQuery::Aim() {
   const Bvh &a = A_.bvh(), &b = B_.bvh();
   const Pose start = motion_.At(0);
-  stale_below_ = best_.distance - kStaleAim * std::min({best_.distance, a.size, b.size});
+  stale_below_ = best_.distance - kStaleSweptAim * std::min({best_.distance, a.size, b.size});
   const float n[3]{static_cast<float>(line_.x), static_cast<float>(line_.y),
                    static_cast<float>(line_.z)};
   const Vec3 along{n[0], n[1], n[2]};  // what is rounded must be the same for all
   const Vec3 along_B = -(Transpose(start.R) * along);
   const float n_B[3]{static_cast<float>(along_B.x), static_cast<float>(along_B.y),
                      static_cast<float>(along_B.z)};
-  Extents(0).Start(a, n);
-  Extents(1).Start(b, n_B);
+  extents_a_.Start(a, n);
+  extents_b_.Start(b, n_B);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion_.translation();
   const double far = std::max(Norm(begin), Norm(end));
   length_ = Norm(along) * (1 + kTouching);

@@ -12,6 +12,7 @@
 
 #include "facet_pair.h"
 #include "gjk.h"
+#include "node_extents.h"
 #include "swept.h"
 #include "swept_search.h"
 
@@ -84,6 +85,7 @@ class TranslationQuery {
   double stale_below_;  // [m] then the direction of the extents is to be taken anew
   double offset_ = 0;   // [m] of B's origin over the whole way, and slack
   double length_ = 1;   // of the direction as rounded
+  NodeExtents &extents_a_, &extents_b_;
 };
 
 }  // namespace contact_toolkit
