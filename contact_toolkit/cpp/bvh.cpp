@@ -61,6 +61,9 @@ class Builder {
     bvh_.origin = 0.5 * (all.lower + all.upper);
     bvh_.half_extent = 0.5 * (all.upper - all.lower);
     bvh_.size = std::max({bvh_.half_extent.x, bvh_.half_extent.y, bvh_.half_extent.z});
+    // Most bottom nodes are full; what is reserved and not used is never touched.
+    bvh_.nodes.reserve(faces.size() / 5 + 1);
+    bvh_.blocks.reserve(faces.size() / 7 + 1);
     BuildNode({0, static_cast<int>(faces.size()), all}, 1);
     FillSlots();
   }
