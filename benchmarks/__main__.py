@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 
 from benchmarks import (
@@ -13,12 +15,15 @@ from benchmarks import (
     contact_in_drake,
     facet_kernel,
     growth,
+    point_distances,
+    real_parts,
     translation_sweep,
     two_threads,
     witness_coherent,
     witness_cold,
     witness_merging,
 )
+from benchmarks.attitudes import each_with_itself_and_the_next, parts_in_folder
 from benchmarks.harness import RUNS, Row, Stopwatch
 from benchmarks.plots import plot_growth, plot_ratios
 from benchmarks.report import as_line, write_results
@@ -30,6 +35,8 @@ BENCHMARKS = {
         witness_merging,
         witness_coherent,
         closest_points,
+        real_parts,
+        point_distances,
         translation_sweep,
         growth,
         facet_kernel,
@@ -49,15 +56,26 @@ def main() -> None:
     parser.add_argument("--coarser", type=int, default=1, help="divides the meshes' sections")
     parser.add_argument("--cpu-time", action="store_true", help="for busy machines: no wall time")
     parser.add_argument("--out", type=Path, help="folder for the table and plots of a full run")
+    parser.add_argument(
+        "--meshes", type=Path, help="folder of mesh files to measure instead, as in real_parts"
+    )
     options = parser.parse_args()
     if unknown := set(options.names) - set(BENCHMARKS):
         parser.error(f"no benchmark is called {', '.join(unknown)}")
 
     watch = Stopwatch(options.runs, time.thread_time if options.cpu_time else time.perf_counter)
     rows: list[Row] = []
-    for name in options.names or BENCHMARKS:
+    measurements: dict[str, Callable[[], Iterable[Row]]] = {
+        name: partial(BENCHMARKS[name].measure, watch, options.coarser)
+        for name in options.names or BENCHMARKS
+    }
+    if options.meshes:
+        parts = parts_in_folder(options.meshes)
+        pairs = each_with_itself_and_the_next(parts)
+        measurements = {str(options.meshes): partial(real_parts.measure_pairs, watch, pairs)}
+    for name, measure in measurements.items():
         print(f"\n{name}", flush=True)
-        for row in BENCHMARKS[name].measure(watch, options.coarser):
+        for row in measure():
             print(as_line(row), flush=True)
             rows.append(row)
     if options.out:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 import area_experiments as experiments  # shared with the tests
 from bouncing_doughnut import bounce
@@ -39,7 +39,7 @@ REMARKS = """
   How they shrink does not hang on the path: where the force is continuous, a step cut in 2, 4, 16
   changes it 2, 4, 16 times less; where it jumps, 1, 1, 1. The row after says what is left at a
   point.
-- P2, bouncing: shares of m g times the first fall, over 5 s. The smooth field is integrated to
+- P2, bouncing: fractions of m g times the first fall, over 5 s. The smooth field is integrated to
   order 8 (tolerance 1e-8, then 1e-9), the exact one by runge_kutta3 (accuracy 1e-8, then 1e-9).
   Both drifts go on shrinking with the tolerance: they are the integrator's, and the fields' own are
   smaller. Ten bounces are the property as it is stated.

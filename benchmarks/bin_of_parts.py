@@ -19,6 +19,7 @@ from contact_toolkit import (
     ContactGeometry,
     ContactModel,
     ContactPair,
+    FacetWeb,
     NonlinearDamper,
 )
 from scenarios.parts import box, bumpy_sphere, doughnut, hole_plate, involute_gear
@@ -72,7 +73,7 @@ def contact_model(meshes: list[CollisionMesh], *, threads: int = 1) -> ContactMo
         names,
         [ContactGeometry(name, name, mesh) for name, mesh in zip(names, meshes, strict=True)],
         [
-            ContactPair(a, b, damper, web="facet", standoff=_STANDOFF)
+            ContactPair(a, b, damper, FacetWeb(_STANDOFF))
             for a, b in combinations(range(len(meshes)), 2)
         ],
         threads=threads,

@@ -21,7 +21,7 @@ from benchmarks.contact_forces import SPRINGS, loaded
 from benchmarks.harness import Row, Stopwatch
 from benchmarks.mesh_pairs import Pose, doughnut_on_cone
 from benchmarks.witness_coherent import closed_path
-from contact_toolkit import ContactModel
+from contact_toolkit import AreaWeb, ContactModel
 from systems import NonlinearDamperContact
 
 NAME = "contact in Drake"
@@ -32,17 +32,19 @@ def measure(watch: Stopwatch, coarser: int = 1) -> Iterator[Row]:
     """Move the doughnut on the fixed cone, and far from it."""
     pair = doughnut_on_cone(coarser)
     springs = SPRINGS // coarser**2
-    model, X_AB = loaded(*pair.meshes(), pair.poses["tilted"], springs, {"web": "area"})
+    model, X_AB = loaded(
+        *pair.meshes(), pair.poses["tilted"], springs, web=AreaWeb(), friction=None
+    )
     path = closed_path(X_AB)
     far = [X_AB.copy() for X_AB in path]
     for X_AB in far:
         X_AB[2, 3] += _FAR
     for case, poses in {"area web, smooth": path, "far apart": far}.items():
         with_contact, without = Falling(poses, model), Falling(poses)
-        V_FB, table = np.zeros((2, 6)), model.initial_table()
+        V_FB, state = np.zeros((2, 6)), model.initial_state()
         X_FBs = [np.stack([np.eye(4), X_AB]) for X_AB in poses]
-        table = model.advance(table, 0.0, model.evaluate(X_FBs[0], V_FB, table))
-        evaluate = partial(model.evaluate, V_FB=V_FB, table=table)
+        state = model.advance(state, 0.0, model.evaluate(X_FBs[0], V_FB, state))
+        evaluate = partial(model.evaluate, V_FB=V_FB, state=state)
         both, plant, native = watch.medians(
             with_contact.derivatives,
             without.derivatives,
@@ -66,7 +68,7 @@ class Falling:
         self._context = self._diagram.CreateDefaultContext()
         at = plant.GetMyMutableContextFromRoot(self._context)
         self._states = cycle([_state(plant, body, at, X_WB) for X_WB in poses])
-        # At the first pose a step begins: from here on the step table remembers it.
+        # At the first pose a step begins: from here on the contact state remembers it.
         plant.SetPositionsAndVelocities(at, next(self._states))
         Simulator(self._diagram, self._context).AdvancePendingEvents()
 

@@ -22,7 +22,7 @@ from contact_toolkit import CollisionMesh, WitnessCache, witness_pairs
 NAME = "witness pairs, coherent"
 TARGET = 60.0
 _STEPS = 64
-_SHIFT, _TURN = 1e-5, 1e-4  # [m], [rad]: 1 µm and 10 µrad from pose to pose
+_RADIUS, _TURN = 1e-5, 1e-4  # [m], [rad]: 1 µm and 10 µrad from pose to pose
 
 
 def measure(watch: Stopwatch, coarser: int = 1) -> Iterator[Row]:
@@ -48,13 +48,13 @@ def measure(watch: Stopwatch, coarser: int = 1) -> Iterator[Row]:
                 yield replace(row, seconds=row.seconds / _STEPS)
 
 
-def closed_path(X_AB: Pose) -> list[Pose]:
+def closed_path(X_AB: Pose, radius: float = _RADIUS) -> list[Pose]:
     """Return poses on a small circle that starts and ends at X_AB."""
     angles = np.linspace(0.0, 2 * np.pi, _STEPS, endpoint=False)
     return [
         pose(
             Rotation.from_rotvec([0.0, _TURN * np.sin(angle), _TURN * (1 - np.cos(angle))]),
-            [_SHIFT * np.sin(angle), _SHIFT * (1 - np.cos(angle)), 0.0],
+            [radius * np.sin(angle), radius * (1 - np.cos(angle)), 0.0],
         )
         @ X_AB
         for angle in angles

@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853, RK23, RK45, OdeSolver, Radau
 from scipy.spatial.transform import Rotation
 
-from contact_toolkit.contact_law import NonlinearDamper
-from contact_toolkit.contact_model import ContactModel, StepTable
-from contact_toolkit.contact_pair import ContactGeometry, ContactPair
-from contact_toolkit.friction import Friction
-from contact_toolkit.mesh import CollisionMesh
+from contact_toolkit.contact.contact_law import NonlinearDamper
+from contact_toolkit.contact.contact_model import ContactModel, ContactState
+from contact_toolkit.contact.contact_pair import ContactGeometry, ContactPair
+from contact_toolkit.contact.friction import Friction
+from contact_toolkit.contact.spring_webs import AreaWeb, SpringWeb
+from contact_toolkit.shapes.mass_properties import mass_properties
+from contact_toolkit.shapes.mesh import CollisionMesh
 
 Floats = NDArray[np.float64]
 
@@ -80,9 +82,13 @@ class MovingBody:
         V_FB: ArrayLike | None = None,
     ) -> MovingBody:
         """Make a body of uniform density [kg/m³]; its mesh must be closed and wound outwards."""
-        if not mesh.defects.closed or mesh.volume <= 0:
-            raise ValueError(f"body {name!r}: a density needs a closed mesh wound outwards")
-        mass, p_BoBcm, I_BBcm = _mass_properties(mesh, density)
+        if mesh.solid.kind != "closed":
+            defects = "; ".join(mesh.describe_defects())
+            raise ValueError(
+                f"body {name!r}: a density needs a closed mesh wound outwards, and "
+                f"{mesh.source or 'its mesh'} has {defects}"
+            )
+        mass, p_BoBcm, I_BBcm = mass_properties(mesh.repaired(), density)
         return cls(
             name,
             mesh,
@@ -108,8 +114,8 @@ class Trajectory:
         (n, nb, 6) angular velocities [rad/s], then velocities of the origins [m/s], in F.
     springs
         (n,) loaded springs.
-    table
-        The step table after the last step: anchors and losses.
+    contact_state
+        The contact state after the last step: anchors and losses.
     evaluations
         Of the forces.
     """
@@ -118,7 +124,7 @@ class Trajectory:
     X_FB: Floats
     V_FB: Floats
     springs: NDArray[np.int64]
-    table: StepTable
+    contact_state: ContactState
     evaluations: int
 
 
@@ -133,8 +139,8 @@ class Testbed:
         A fixed surface in F, or None.
     damper
         The contact law: k, α, n and adhesion.
-    web, standoff, friction, options
-        As for `ContactPair`; options are its further arguments.
+    web, friction
+        As for `ContactPair`.
     gravity
         (3,) in F [m/s²].
     """
@@ -147,11 +153,9 @@ class Testbed:
         ground: CollisionMesh | None,
         damper: NonlinearDamper,
         *,
-        web: str = "area",
-        standoff: float = 0.0,
+        web: SpringWeb = AreaWeb(),  # noqa: B008  immutable
         friction: Friction | None = None,
         gravity: ArrayLike = (0.0, 0.0, -9.81),
-        **options: object,
     ) -> None:
         if not bodies:
             raise ValueError("bodies must hold at least one MovingBody")
@@ -164,15 +168,7 @@ class Testbed:
             names,
             [ContactGeometry(n, n, mesh) for n, mesh in zip(names, meshes, strict=True)],
             [
-                ContactPair(
-                    a,
-                    b,
-                    damper,
-                    web=web,  # type: ignore[arg-type]
-                    standoff=standoff,
-                    friction=friction,
-                    **options,  # type: ignore[arg-type]
-                )
+                ContactPair(a, b, damper, web, friction)
                 for a in range(len(names))
                 for b in range(a + 1, len(names))
             ],
@@ -198,10 +194,10 @@ class Testbed:
         if method not in _SOLVERS:
             raise ValueError(f"method must be one of {sorted(_SOLVERS)}, not {method!r}")
         self._evaluations = 0
-        table = self.model.initial_table()
+        contact_state = self.model.initial_state()
 
         def rates(_: float, state: Floats) -> Floats:
-            return self._rates(state, table)
+            return self._rates(state, contact_state)
 
         solver = _SOLVERS[method](
             rates, 0.0, self._start(), duration, rtol=rtol, atol=atol, max_step=max_step
@@ -209,8 +205,8 @@ class Testbed:
         times, states, springs = [], [], []
         while True:
             X_FB, V_FB = self._kinematics(solver.y)
-            forces = self.model.evaluate(X_FB, V_FB, table)
-            table = self.model.advance(table, solver.t, forces)
+            forces = self.model.evaluate(X_FB, V_FB, contact_state)
+            contact_state = self.model.advance(contact_state, solver.t, forces)
             times.append(solver.t)
             states.append((X_FB[self._fixed :], V_FB[self._fixed :]))
             springs.append(len(forces.contacts.key))
@@ -226,7 +222,7 @@ class Testbed:
             np.array([X for X, _ in states]),
             np.array([V for _, V in states]),
             np.array(springs),
-            table,
+            contact_state,
             self._evaluations,
         )
 
@@ -250,11 +246,13 @@ class Testbed:
         V_FB[first:] = rows[:, 7:]
         return X_FB, V_FB
 
-    def _rates(self, state: Floats, table: StepTable) -> Floats:
+    def _rates(self, state: Floats, contact_state: ContactState) -> Floats:
         self._evaluations += 1
         rows = state.reshape(-1, _STATES)
         X_FB, V_FB = self._kinematics(state)
-        F_Bo_F = np.asarray(self.model.evaluate(X_FB, V_FB, table).body_wrenches)[self._fixed :]
+        F_Bo_F = np.asarray(self.model.evaluate(X_FB, V_FB, contact_state).body_wrenches)[
+            self._fixed :
+        ]
         w, v = rows[:, 7:10], rows[:, 10:13]
         R_FB = X_FB[self._fixed :, :3, :3]
         p_BoBcm_F = np.einsum("nij,nj->ni", R_FB, self._p_BoBcm)
@@ -273,21 +271,3 @@ class Testbed:
         rate[:, 7:10] = alpha
         rate[:, 10:13] = a_cm - np.cross(alpha, p_BoBcm_F) - np.cross(w, np.cross(w, p_BoBcm_F))
         return rate.ravel()
-
-
-def _mass_properties(mesh: CollisionMesh, density: float) -> tuple[float, Floats, Floats]:
-    """Mass, centre of mass and inertia about it, by tetrahedra from the vertices' mean."""
-    if not (np.isfinite(density) and density > 0):
-        raise ValueError(f"density must be positive, not {density}")
-    middle = mesh.vertices.mean(axis=0)
-    corners = mesh.vertices[mesh.faces] - middle
-    sixfold = np.einsum("ni,ni->n", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    volume = sixfold.sum() / 6
-    total = corners.sum(axis=1)
-    center = (sixfold[:, None] * total).sum(axis=0) / 24 / volume
-    # ∫ x xᵀ over a tetrahedron with a corner at the origin: det/120 (Σ c cᵀ + s sᵀ), s = Σ c.
-    second = np.einsum("n,nki,nkj->ij", sixfold, corners, corners)
-    second = (second + np.einsum("n,ni,nj->ij", sixfold, total, total)) / 120
-    second -= volume * np.outer(center, center)
-    inertia = density * (np.trace(second) * np.eye(3) - second)
-    return density * volume, center + middle, inertia

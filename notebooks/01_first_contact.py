@@ -112,7 +112,7 @@ plt.show()
 
 # %% [markdown]
 # The restitution of a nonlinear damper depends on the impact speed and on $\alpha$ alone. Neither
-# stiffness nor mass nor shape matter: with $D = \frac32 \alpha v$, the restitution $e$ solves
+# stiffness nor mass nor shape matter: with $D = \frac{3}{2} \alpha v$, the restitution $e$ solves
 # $D (1 + e) = \ln \frac{1 + D}{1 - e D}$.
 
 # %%

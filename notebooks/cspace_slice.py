@@ -79,7 +79,7 @@ def draw(path, x, tilt, kind, play):
 
 
 def main(path, cells=400):
-    """Draw the slice and return the share of cells that differ from the exact C-space."""
+    """Draw the slice and return the fraction of cells that differ from the exact C-space."""
     x, tilt = np.linspace(-0.15e-3, 0.15e-3, cells), np.radians(np.linspace(-1.6, 1.6, cells))
     kind, _ = classify_grid(make_model(), x, tilt)
     play = exact_play(tilt)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from rich.table import Table
 
-from scenarios.summary import versions
+from scenarios.report.provenance import versions
 
 
 def examine() -> tuple[Table, bool]:
@@ -55,7 +55,7 @@ def _drake() -> str:
 
 
 def _library() -> str:
-    from scenarios.loading import library, load
+    from scenarios.format.loading import library, load
 
     return f"{len([load(name) for name in library()])} scenarios in the library"
 

@@ -1,9 +1,9 @@
 """Settings of contact, loadable with `pydrake.common.yaml.yaml_load_typed`.
 
-How to choose them, and what they cost: `notebooks/02_choosing_parameters.ipynb`.
+How to choose them, and what they cost: `notebooks/03_choosing_parameters.ipynb`.
 
 None stands for "not set": an override falls back on the `ContactConfig`, and that on the model's
-own proximity properties and then on Drake's defaults, as told beside each setting. Values are
+own proximity properties and then on Drake's defaults, as said beside each setting. Values are
 checked where they are used, by `AddNonlinearDamperContact`: the loader fills in fields late.
 """
 
@@ -21,8 +21,17 @@ class FrictionConfig:
     static, dynamic
         Coefficients; when unset, those of the two geometries, combined as Drake does. `static`
         alone sets both.
-    stiffness_ratio, damping
-        As in `contact_toolkit.Friction`, with its defaults.
+    stiffness_ratio
+        As in `contact_toolkit.Friction`, with its default.
+    damping
+        As there [s]. Area web: unless set, by which the lighter body swings out on the friction
+        springs of a face at half of the critical damping.
+
+    Examples
+    --------
+    >>> from systems import ContactConfig, FrictionConfig
+    >>> ContactConfig(friction=FrictionConfig(static=0.6)).friction.static
+    0.6
     """
 
     static: float | None = None
@@ -44,16 +53,23 @@ class ContactLawConfig:
         Distance [m] at which contact begins. Area web: 0 unless set. Facet web: must be set.
     k
         Area web: foundation stiffness [Pa/mⁿ]; when unset, the hydroelastic moduli of the two
-        geometries over their skins, in series. Facet web: spring constant [N/mⁿ]; when unset, the
-        point contact stiffnesses, in series.
+        geometries over their skins, in series. A geometry that was given a point contact stiffness
+        and nothing else yields by that much force per depth under the weight of the lighter body.
+        Two rigid geometries have skins of 1e8 Pa, ten times Drake's default. Facet web: spring
+        constant [N/mⁿ]; when unset, the point contact stiffnesses, in series.
     skin
         Thickness of the compliant skins [m]; unless set, that of a material which has one, and 1 %
-        of the bounding box diagonal of the smaller geometry.
+        of the bounding box diagonal of the smaller body, with all that is welded to it.
     alpha
         Restitution slope [s/m]; when unset, 2/3 of the Hunt-Crossley dissipations, combined as
-        Drake does.
+        Drake does. Geometry without one has 3.1 s/m, restitution 0.3 at 1 m/s (Drake's 50 s/m
+        serves its steps).
     n
         Exponent of the deformation, from 1 (the default) to 1.5 (Hertz).
+    settling
+        Area web with n = 1: settling speed [m/s], 1e-3 unless set, 0 for the law as published. The
+        smallest motions at a contact, which that hardly damps, die out at half of the critical
+        damping, and restitution falls by less than 3/2 `alpha` times this; see `NonlinearDamper`.
     adhesion
         Whether the force may pull while bodies are torn apart; unless set, as the materials say.
     weighting
@@ -77,6 +93,7 @@ class ContactLawConfig:
     skin: float | None = None
     alpha: float | None = None
     n: float | None = None
+    settling: float | None = None
     adhesion: bool | None = None
     weighting: str | None = None
     field: str | None = None
@@ -93,6 +110,13 @@ class PairConfig(ContactLawConfig):
     ----------
     bodies
         Two body names, in either order.
+
+    Examples
+    --------
+    >>> from systems import ContactConfig, PairConfig
+    >>> soft = PairConfig(bodies=["foot", "ground"], k=1e7, alpha=2.0)
+    >>> ContactConfig(alpha=0.2, overrides=[soft]).overrides[0].alpha
+    2.0
     """
 
     bodies: list[str] = dataclasses.field(default_factory=list)
@@ -118,6 +142,9 @@ class ContactConfig(ContactLawConfig):
         How far facets may lie inside a curved shape, relative to its radius.
     half_space_reach
         Radius [m] about its origin within which a half space is felt.
+    discrete
+        How contact meets the steps of a discrete plant: "implicit" (solved with the step, stable at
+        any stiffness) or "explicit" (as the step begins, for comparison).
     max_step
         Longest step [s] of a continuous plant, so that nothing crosses a body unseen; 0: no limit.
     when_deep
@@ -125,8 +152,29 @@ class ContactConfig(ContactLawConfig):
     when_chattering
         "raise" or "warn" (once) when forces that leap, as between flat faces of the facet web,
         leave the integrator of a continuous plant only steps that get nowhere.
+    initial_overlap
+        What becomes of bodies that overlap when a simulation begins, by more than half of their
+        skins and ten times their weight. "ease" (the default): links of one tree of joints pass
+        through each other from then on; all others are parted gently.
+        "filter": all of them pass through each other. "warn": they are flung apart. Each of these
+        tells of it. "raise": an error.
+    easing_time
+        How long [s] it takes to part what is eased out.
     threads
         Native threads that share the pairs; the result does not depend on it.
+
+    Examples
+    --------
+    >>> from pydrake.common.yaml import yaml_load_typed
+    >>> from systems import ContactConfig
+    >>> config = yaml_load_typed(schema=ContactConfig, data='''
+    ... k: 1.0e+9
+    ... friction: {static: 0.6}
+    ... overrides:
+    ... - {bodies: [foot, ground], k: 1.0e+7}
+    ... ''')
+    >>> config.k, config.friction.static, config.overrides[0].bodies
+    (1000000000.0, 0.6, ['foot', 'ground'])
     """
 
     pairs: list[list[str]] = dataclasses.field(default_factory=list)
@@ -134,7 +182,10 @@ class ContactConfig(ContactLawConfig):
     materials: dict[str, str] = dataclasses.field(default_factory=dict)
     tessellation_tolerance: float = 0.005
     half_space_reach: float = 100.0
+    discrete: str = "implicit"
     max_step: float = 0.005
     when_deep: str = "warn"
     when_chattering: str = "raise"
+    initial_overlap: str = "ease"
+    easing_time: float = 0.2
     threads: int = 1

@@ -12,19 +12,32 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
+from scenarios.parts.bodies import spinning_top, tracked_robot, voussoir
 from scenarios.parts.fits import hole_plate, peg, taper_plug, taper_socket, v_groove, wedge
 from scenarios.parts.gear import involute_gear
 from scenarios.parts.obj_file import write_obj
 from scenarios.parts.solids import box, capsule, doughnut, l_bracket, rod, truncated_cone
 from scenarios.parts.spheres import bumpy_sphere, icosphere
 from scenarios.parts.surface import Surface
+from scenarios.parts.terrain import boulder_field, height_field, rock, stairs
 from scenarios.parts.thread import bolt, nut
+from scenarios.parts.vessels import bowl_feeder, collet, mug
 
 PARTS: Mapping[str, Callable[..., Surface]] = MappingProxyType(
     {
         generator.__name__: generator
         for generator in (
             bolt,
+            spinning_top,
+            tracked_robot,
+            voussoir,
+            boulder_field,
+            height_field,
+            rock,
+            stairs,
+            bowl_feeder,
+            collet,
+            mug,
             box,
             bumpy_sphere,
             capsule,
@@ -77,22 +90,32 @@ __all__ = [
     "PARTS",
     "Surface",
     "bolt",
+    "boulder_field",
+    "bowl_feeder",
     "box",
     "bumpy_sphere",
     "capsule",
+    "collet",
     "doughnut",
+    "height_field",
     "hole_plate",
     "icosphere",
     "involute_gear",
     "l_bracket",
     "make_part",
+    "mug",
     "nut",
     "peg",
+    "rock",
     "rod",
+    "spinning_top",
+    "stairs",
     "taper_plug",
     "taper_socket",
+    "tracked_robot",
     "truncated_cone",
     "v_groove",
+    "voussoir",
     "wedge",
     "write_obj",
 ]

@@ -24,7 +24,7 @@ class _Thread:
     pitch: float
     root_radius: float
     crest_radius: float
-    root_flat: float  # share of the pitch
+    root_flat: float  # fraction of the pitch
     crest_flat: float
     phase: float  # where on the x axis a tooth's centre lies, z / pitch
     sections: int
@@ -72,8 +72,8 @@ class _Thread:
     def _tooth(self) -> NDArray[np.float64]:
         """Return one pitch of the profile as (z / pitch, height from root 0 to crest 1) rows."""
         foot, shoulder = (1.0 - self.root_flat) / 2, self.crest_flat / 2
-        share = np.linspace(0.0, 1.0, self.flank_rows + 1)
-        rise = np.column_stack([foot + (shoulder - foot) * share, share])
+        fraction = np.linspace(0.0, 1.0, self.flank_rows + 1)
+        rise = np.column_stack([foot + (shoulder - foot) * fraction, fraction])
         centre = np.array([self.phase, 0.0])
         return np.concatenate([centre + rise * [-1.0, 1.0], (centre + rise)[::-1]])
 

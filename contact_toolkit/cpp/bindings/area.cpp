@@ -1,14 +1,12 @@
-#include "area_web.h"
+#include "web/area/area_web.h"
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 
-#include "arrays.h"
+#include "bindings/arrays.h"
 
 namespace contact_toolkit {
 namespace {
-
-using Mesh = std::shared_ptr<const CollisionMesh>;
 
 nb::dict Find(const AreaWeb& web, PoseIn X_AB) {
   SpringSet springs;
@@ -31,7 +29,7 @@ nb::dict Find(const AreaWeb& web, PoseIn X_AB) {
   rows["p_ACa"] = ToNumpy(std::move(springs.p_ACa));
   rows["p_ACb"] = ToNumpy(std::move(springs.p_ACb));
   rows["status"] = springs.status;
-  rows["probed"] = springs.facet_pairs;
+  rows["probed"] = springs.num_measured;
   return rows;
 }
 
@@ -42,25 +40,39 @@ void BindArea(nb::module_& m) {
       .value("exact", AreaField::kExact)
       .value("smooth", AreaField::kSmooth);
   nb::enum_<AreaSide>(m, "AreaSide")
-      .value("thinner", AreaSide::kThinner)
+      .value("auto", AreaSide::kAuto)
       .value("a", AreaSide::kA)
       .value("b", AreaSide::kB);
+  nb::enum_<Primitive::Kind>(m, "PrimitiveKind")
+      .value("none", Primitive::Kind::kNone)
+      .value("sphere", Primitive::Kind::kSphere)
+      .value("capsule", Primitive::Kind::kCapsule)
+      .value("cylinder", Primitive::Kind::kCylinder)
+      .value("box", Primitive::Kind::kBox)
+      .value("half_space", Primitive::Kind::kHalfSpace);
   nb::class_<AreaBody>(m, "AreaBody")
-      .def(nb::init<Mesh>(), nb::arg("mesh"))
+      .def(
+          "__init__",
+          [](AreaBody* self, std::shared_ptr<const Solid> solid, Primitive::Kind kind, double x,
+             double y,
+             double z) { new (self) AreaBody(std::move(solid), Primitive{kind, {x, y, z}}); },
+          nb::arg("solid"), nb::arg("primitive") = Primitive::Kind::kNone, nb::arg("x") = 0.0,
+          nb::arg("y") = 0.0, nb::arg("z") = 0.0)
       .def_prop_ro("thickness", &AreaBody::thickness);
   nb::class_<AreaWeb, SpringWeb>(m, "AreaWeb")
       .def(
           "__init__",
           [](AreaWeb* self, std::shared_ptr<AreaBody> A, std::shared_ptr<AreaBody> B,
              double stiffness, double n, double standoff, AreaField field, double resolution,
-             AreaSide sampled, double fillet) {
+             AreaSide sampled, double fillet, double nominal_force) {
             const nb::gil_scoped_release release;
-            new (self) AreaWeb(A, B, {stiffness, n, standoff, field, resolution, sampled, fillet});
+            new (self) AreaWeb(
+                A, B, {stiffness, n, standoff, field, resolution, sampled, fillet, nominal_force});
           },
           nb::arg("A"), nb::arg("B"), nb::arg("stiffness"), nb::arg("n") = 1.0,
           nb::arg("standoff") = 0.0, nb::arg("field") = AreaField::kSmooth,
-          nb::arg("resolution") = 0.02, nb::arg("sampled") = AreaSide::kThinner,
-          nb::arg("fillet") = 0.0)
+          nb::arg("resolution") = -1.0, nb::arg("sampled") = AreaSide::kAuto,
+          nb::arg("fillet") = 0.0, nb::arg("nominal_force") = 0.0)
       .def("find", &Find, nb::arg("X_AB").noconvert())
       .def_prop_ro("samples_a", &AreaWeb::samples_a)
       .def_prop_ro("spacing", &AreaWeb::spacing)

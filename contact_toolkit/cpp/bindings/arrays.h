@@ -6,11 +6,12 @@
 
 #include <array>
 #include <memory>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "vec.h"
+#include "math/vec.h"
 
 namespace contact_toolkit {
 
@@ -101,6 +102,23 @@ Array<E> ViewOf(const std::vector<T, Allocator>& values, std::size_t columns, nb
   const E* data = reinterpret_cast<const E*>(values.data());
   return Array<E>(
       nb::cast(nb::ndarray<nb::numpy, nb::ro, E>(data, columns == 0 ? 1 : 2, shape, owner)));
+}
+
+// Column i of a table (see base/columns.h) as a read-only array that keeps the table alive.
+template <class Table, std::size_t i>
+auto ColumnOf(nb::handle table) {
+  const auto& values = std::get<i>(Table::Columns(nb::cast<const Table&>(table)));
+  using E = Element<typename std::remove_cvref_t<decltype(values)>::value_type>;
+  return ViewOf<typename E::Scalar>(values, E::columns, table);
+}
+
+// Makes each column a property. Arrays are made when asked for, as making all of them takes longer
+// than many a query.
+template <class Table>
+void BindColumns(nb::class_<Table>& bound) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    (bound.def_prop_ro(Table::kColumnNames[i], &ColumnOf<Table, i>), ...);
+  }(std::make_index_sequence<Table::kColumnNames.size()>());
 }
 
 }  // namespace contact_toolkit

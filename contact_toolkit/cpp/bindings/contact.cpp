@@ -7,19 +7,19 @@
 #include <set>
 #include <string>
 
-#include "arrays.h"
-#include "contact_arrays.h"
-#include "contact_model.h"
-#include "facet_web.h"
+#include "bindings/arrays.h"
+#include "contact/contact_arrays.h"
+#include "contact/contact_model.h"
+#include "web/facet_web.h"
 
 namespace contact_toolkit {
 namespace {
 
 using NumbersIn = nb::ndarray<const double, nb::device::cpu, nb::c_contig>;
 using Model = ContactModel;
-using FoundPointer = std::shared_ptr<const Found>;
+using LoadedPointer = std::shared_ptr<const LoadedSprings>;
 using ForcesPointer = std::shared_ptr<const Forces>;
-using TablePointer = std::shared_ptr<const StepTable>;
+using StatePointer = std::shared_ptr<const ContactState>;
 
 // Refuses what is not a finite array of one entry a body; says what was found.
 void RequireBodies(const NumbersIn& array, const char* name, int bodies,
@@ -62,25 +62,96 @@ std::span<const Twist> TwistsOf(const Model& model, const NumbersIn& V_FB) {
   return {reinterpret_cast<const Twist*>(V_FB.data()), V_FB.shape(0)};
 }
 
-FoundPointer Find(const Model& model, const NumbersIn& X_FB, const StepTable* table) {
-  const std::vector<Pose> poses = PosesOf(model, X_FB);
-  const nb::gil_scoped_release release;
-  return model.Find(poses, table);
+// Refuses what another model made: its pairs and webs are others.
+void RequireOwn(const Model& model, const LoadedSprings& loaded, const char* name) {
+  if (loaded.model_id == model.id()) return;
+  throw nb::value_error((std::string(name) + " must come from this ContactModel, and come from "
+                                             "another; find the springs with this model")
+                            .c_str());
+}
+void RequireOwn(const Model& model, const ContactState* state) {
+  if (state == nullptr || state->model_id == 0 || state->model_id == model.id()) return;
+  throw nb::value_error(
+      "state must come from this ContactModel, and comes from another; start from this model's "
+      "initial_state()");
 }
 
-ForcesPointer ComputeForces(const Model& model, const FoundPointer& found, const NumbersIn& V_FB,
-                            const StepTable* table) {
+LoadedPointer Find(const Model& model, const NumbersIn& X_FB, const ContactState* state) {
+  RequireOwn(model, state);
+  const std::vector<Pose> poses = PosesOf(model, X_FB);
+  const nb::gil_scoped_release release;
+  return model.Find(poses, state);
+}
+
+ForcesPointer ComputeForces(const Model& model, const LoadedPointer& loaded, const NumbersIn& V_FB,
+                            const ContactState* state) {
+  RequireOwn(model, *loaded, "loaded springs");
+  RequireOwn(model, state);
   const std::span<const Twist> twists = TwistsOf(model, V_FB);
   const nb::gil_scoped_release release;
-  return model.ComputeForces(found, twists, table);
+  return model.ComputeForces(loaded, twists, state);
 }
 
 ForcesPointer Evaluate(const Model& model, const NumbersIn& X_FB, const NumbersIn& V_FB,
-                       const StepTable* table) {
+                       const ContactState* state) {
+  RequireOwn(model, state);
   const std::vector<Pose> poses = PosesOf(model, X_FB);
   const std::span<const Twist> twists = TwistsOf(model, V_FB);
   const nb::gil_scoped_release release;
-  return model.ComputeForces(model.Find(poses, table), twists, table);
+  return model.ComputeForces(model.Find(poses, state), twists, state);
+}
+
+// Up to what is left of the momentum balance when a step is solved: 1e-10 m/s, a millisecond long.
+bool AreAlike(const Vec3& a, const Vec3& b, double tolerance) {
+  return SquaredNorm(a - b) <= tolerance * tolerance * (1 + SquaredNorm(a));
+}
+bool AreAlike(const Pose& a, const Pose& b) {
+  bool alike = AreAlike(a.p, b.p, 1e-12);
+  for (int i = 0; i < 3; ++i) alike = alike && AreAlike(a.R.row[i], b.R.row[i], 1e-12);
+  return alike;
+}
+bool AreAlike(const Twist& a, const Twist& b) {
+  return AreAlike(a.w, b.w, 1e-8) && AreAlike(a.v, b.v, 1e-8);
+}
+
+void RequireFinite(double number, const char* name) {
+  if (std::isfinite(number)) return;
+  throw nb::value_error(
+      (std::string(name) + " must be finite [s], not " + std::to_string(number)).c_str());
+}
+
+ForcesPointer Coast(const Model& model, const ContactState& state, double duration) {
+  RequireOwn(model, &state);
+  RequireFinite(duration, "duration");
+  const nb::gil_scoped_release release;
+  return model.Coast(state, duration);
+}
+
+StatePointer Advance(const Model& model, const StatePointer& state, double time,
+                     const ForcesPointer& forces) {
+  RequireOwn(model, state.get());
+  RequireOwn(model, *forces->loaded, "forces");
+  RequireFinite(time, "time");
+  const nb::gil_scoped_release release;
+  return model.Advance(state, time, forces);
+}
+
+Linearization Linearize(const Model& model, const NumbersIn& X_FB, const NumbersIn& V_FB,
+                        const ContactState* state, bool symmetric) {
+  RequireOwn(model, state);
+  const std::vector<Pose> poses = PosesOf(model, X_FB);
+  const std::span<const Twist> twists = TwistsOf(model, V_FB);
+  const nb::gil_scoped_release release;
+  return model.Linearize(poses, twists, state, symmetric ? Symmetry::kKept : Symmetry::kNone);
+}
+
+StatePointer AdvanceImplicitly(const Model& model, const StatePointer& state, double time,
+                               const ForcesPointer& forces) {
+  RequireOwn(model, state.get());
+  RequireOwn(model, *forces->loaded, "forces");
+  RequireFinite(time, "time");
+  const nb::gil_scoped_release release;
+  return model.AdvanceImplicitly(state, time, forces);
 }
 
 // Immutable objects are their own copies: a simulator may copy the values that hold them for free.
@@ -94,13 +165,14 @@ void CopiesAreTheObject(C& bound) {
 
 // One array over the loaded pairs.
 template <typename T, typename Function>
-auto PerPair(const Found& found, Function value) {
-  std::vector<T> values(found.size);
-  for (std::size_t i = 0; i < found.size; ++i) values[i] = static_cast<T>(value(found.loaded[i]));
+auto PerPair(const LoadedSprings& loaded, Function value) {
+  std::vector<T> values(loaded.size);
+  for (std::size_t i = 0; i < loaded.size; ++i) values[i] = static_cast<T>(value(loaded.pairs[i]));
   return ToNumpy<T>(std::move(values));
 }
 
-constexpr const char* kFoundDoc = R"(The loaded springs of all pairs at given poses; immutable.
+constexpr const char* kLoadedSpringsDoc =
+    R"(The loaded springs of all pairs at given poses; immutable.
 
 Attributes
 ----------
@@ -151,7 +223,7 @@ status
     (n,) bits of `ContactStatus` of the pair.
 )";
 
-constexpr const char* kForcesDoc = R"(Forces of the springs found; immutable.
+constexpr const char* kForcesDoc = R"(Forces of loaded springs; immutable.
 
 Attributes
 ----------
@@ -165,15 +237,39 @@ stored
     Their sum [J].
 powers
     (2,) being lost in damping and to friction [W].
-power_given
     Given to the bodies [W]: their wrenches times their velocities.
 V_FB
     (nb, 6) velocities of the bodies, as given.
-found
+loaded
     The springs they are of.
 )";
 
-constexpr const char* kStepTableDoc = R"(What lasts from one accepted step to the next; immutable.
+constexpr const char* kLinearizationDoc =
+    R"(How the forces of the loaded pairs change with poses and velocities; immutable.
+
+Let body a carry a pair's geometry A, and body b its B. When a is displaced by a small rotation and a
+translation of its origin, xi = (θ, t), and its twist relative to b (angular velocity, velocity of
+a's origin) changes by dV, b being held, then the wrench on a about its origin (torque, force)
+changes by dW = −(stiffness @ xi + damping @ dV). Everything is in F, rotations [rad] and torques
+come first; the twist is held in F while a is displaced, and so are friction's anchors.
+
+Attributes
+----------
+pair
+    (m,) index into `ContactModel.pairs`, ascending; the other arrays go with it.
+bodies
+    (m, 2) indices of the bodies a and b.
+wrench
+    (m, 6) on a about its origin [N m], [N]; b feels the opposite at the same point.
+stiffness
+    (m, 6, 6) [N m/rad], [N m/m]; [N/rad], [N/m]. Not symmetric in general: sliding friction follows
+    the normal force, and a loaded body that turns takes its load along.
+damping
+    (m, 6, 6) [N m s/rad], [N m s/m]; [N s/rad], [N s/m].
+)";
+
+constexpr const char* kContactStateDoc =
+    R"(What lasts from one accepted step to the next; immutable.
 
 Friction's anchors, which springs there were, and what has been lost.
 
@@ -183,37 +279,39 @@ time
     End of the step [s]; −infinity before the first.
 losses
     (2,) lost in damping and to friction since the first step [J].
+numerical_loss
+    Lost to implicit steps, which take more energy than the law does [J].
 lost
     Their sum [J].
 forces
     At the end of the step, as the next one starts with; None before the first.
 )";
 
-void BindFound(nb::module_& m) {
-  auto found = nb::class_<Found>(m, "Found", kFoundDoc);
-  CopiesAreTheObject(found);
-  found.def("__len__", [](const Found& self) { return self.num_springs; })
+void BindLoadedSprings(nb::module_& m) {
+  auto loaded = nb::class_<LoadedSprings>(m, "LoadedSprings", kLoadedSpringsDoc);
+  CopiesAreTheObject(loaded);
+  loaded.def("__len__", [](const LoadedSprings& self) { return self.num_springs; })
       .def_prop_ro("pairs",
-                   [](const Found& self) {
+                   [](const LoadedSprings& self) {
                      return PerPair<std::int32_t>(self,
                                                   [](const PairSprings& p) { return p.pair; });
                    })
       .def_prop_ro("num_springs",
-                   [](const Found& self) {
+                   [](const LoadedSprings& self) {
                      return PerPair<std::int64_t>(
                          self, [](const PairSprings& p) { return p.springs.size(); });
                    })
       .def_prop_ro("num_probed",
-                   [](const Found& self) {
+                   [](const LoadedSprings& self) {
                      return PerPair<std::int64_t>(
-                         self, [](const PairSprings& p) { return p.springs.facet_pairs; });
+                         self, [](const PairSprings& p) { return p.springs.num_measured; });
                    })
       .def_prop_ro("status",
-                   [](const Found& self) {
+                   [](const LoadedSprings& self) {
                      return PerPair<std::int32_t>(
                          self, [](const PairSprings& p) { return p.springs.status; });
                    })
-      .def_prop_ro("p_FBo", [](const Found& self) {
+      .def_prop_ro("p_FBo", [](const LoadedSprings& self) {
         std::vector<Vec3> origins;
         for (const Pose& X_FB : self.X_FB) origins.push_back(X_FB.p);
         return ToNumpy(std::move(origins));
@@ -261,8 +359,9 @@ void BindForces(nb::module_& m) {
                    [](nb::handle self) {
                      return ViewOf<double>(nb::cast<const Forces&>(self).body_wrenches, 6, self);
                    })
-      .def_prop_ro("found",
-                   [](const Forces& self) { return std::const_pointer_cast<Found>(self.found); })
+      .def_prop_ro(
+          "loaded",
+          [](const Forces& self) { return std::const_pointer_cast<LoadedSprings>(self.loaded); })
       .def_prop_ro("contacts", [](const Forces& self) { return ListContacts(self); })
       .def_prop_ro("energies",
                    [](const Forces& self) {
@@ -279,26 +378,75 @@ void BindForces(nb::module_& m) {
                      const Energetics& e = self.energetics;
                      return e.stored_normal + e.stored_tangential;
                    })
-      .def_prop_ro("power_given", &Forces::PowerGiven)
+      .def_prop_ro("power_given", [](const Forces& self) { return self.PowerAt(self.V_FB); })
+      .def(
+          "are_at",
+          [](const Forces& self, const NumbersIn& X_FB, const NumbersIn& V_FB) {
+            const int bodies = static_cast<int>(self.V_FB.size());
+            RequireBodies(X_FB, "X_FB", bodies, {4, 4});
+            RequireBodies(V_FB, "V_FB", bodies, {6});
+            const auto* twists = reinterpret_cast<const Twist*>(V_FB.data());
+            for (int i = 0; i < bodies; ++i) {
+              const Pose pose = Pose::FromMatrix(X_FB.data() + 16 * i);
+              if (!AreAlike(self.loaded->X_FB[i], pose) || !AreAlike(self.V_FB[i], twists[i])) {
+                return false;
+              }
+            }
+            return true;
+          },
+          nb::arg("X_FB"), nb::arg("V_FB"),
+          "Whether they were computed at these poses and velocities, up to rounding.")
       .def_prop_ro("V_FB", [](nb::handle self) {
         return ViewOf<double>(nb::cast<const Forces&>(self).V_FB, 6, self);
       });
 }
 
-void BindStepTable(nb::module_& m) {
-  auto table = nb::class_<StepTable>(m, "StepTable", kStepTableDoc);
-  CopiesAreTheObject(table);
-  table.def(nb::init<>())
-      .def_ro("time", &StepTable::time)
+Array<double> ViewOfMatrices(const std::vector<Mat6>& values, nb::handle owner) {
+  const std::size_t shape[3] = {values.size(), 6, 6};
+  const auto* data = reinterpret_cast<const double*>(values.data());
+  return Array<double>(nb::cast(nb::ndarray<nb::numpy, nb::ro, double>(data, 3, shape, owner)));
+}
+
+void BindLinearization(nb::module_& m) {
+  using L = Linearization;
+  static_assert(sizeof(Mat6) == 36 * sizeof(double));
+  auto linearization = nb::class_<L>(m, "Linearization", kLinearizationDoc);
+  CopiesAreTheObject(linearization);
+  linearization.def("__len__", [](const L& self) { return self.pair.size(); })
+      .def_prop_ro("pair",
+                   [](nb::handle self) {
+                     return ViewOf<std::int32_t>(nb::cast<const L&>(self).pair, 0, self);
+                   })
+      .def_prop_ro("bodies",
+                   [](nb::handle self) {
+                     return ViewOf<std::int32_t>(nb::cast<const L&>(self).bodies, 2, self);
+                   })
+      .def_prop_ro(
+          "wrench",
+          [](nb::handle self) { return ViewOf<double>(nb::cast<const L&>(self).wrench, 6, self); })
+      .def_prop_ro(
+          "stiffness",
+          [](nb::handle self) { return ViewOfMatrices(nb::cast<const L&>(self).stiffness, self); })
+      .def_prop_ro("damping", [](nb::handle self) {
+        return ViewOfMatrices(nb::cast<const L&>(self).damping, self);
+      });
+}
+
+void BindContactState(nb::module_& m) {
+  auto state = nb::class_<ContactState>(m, "ContactState", kContactStateDoc);
+  CopiesAreTheObject(state);
+  state.def(nb::init<>())
+      .def_ro("time", &ContactState::time)
       .def_prop_ro("losses",
-                   [](const StepTable& self) {
+                   [](const ContactState& self) {
                      return ToNumpy(std::vector<double>{self.damping_loss, self.friction_loss});
                    })
+      .def_ro("numerical_loss", &ContactState::numerical_loss)
       .def_prop_ro("lost",
-                   [](const StepTable& self) { return self.damping_loss + self.friction_loss; })
+                   [](const ContactState& self) { return self.damping_loss + self.friction_loss; })
       .def_prop_ro(
           "forces",
-          [](const StepTable& self) { return std::const_pointer_cast<Forces>(self.forces); },
+          [](const ContactState& self) { return std::const_pointer_cast<Forces>(self.forces); },
           nb::sig("def forces(self) -> Forces | None"));
 }
 
@@ -317,11 +465,12 @@ void BindContact(nb::module_& m) {
   nb::class_<ContactGeometry>(m, "ContactGeometry")
       .def(
           "__init__",
-          [](ContactGeometry* self, std::shared_ptr<const CollisionMesh> mesh, int body,
-             const PoseIn& X_BG) {
-            new (self) ContactGeometry{std::move(mesh), body, Pose::FromMatrix(X_BG.data())};
+          [](ContactGeometry* self, std::string name, std::shared_ptr<const CollisionMesh> mesh,
+             int body, const PoseIn& X_BG) {
+            new (self) ContactGeometry{std::move(name), std::move(mesh), body,
+                                       Pose::FromMatrix(X_BG.data())};
           },
-          nb::arg("mesh"), nb::arg("body"), nb::arg("X_BG"));
+          nb::arg("name"), nb::arg("mesh"), nb::arg("body"), nb::arg("X_BG"));
   nb::class_<Friction>(m, "Friction")
       .def(
           "__init__",
@@ -336,27 +485,38 @@ void BindContact(nb::module_& m) {
       .def(
           "__init__",
           [](ContactPair* self, int a, int b, std::shared_ptr<const SpringWeb> web, double alpha,
-             bool adhesion, const Friction& friction) {
-            new (self) ContactPair{a, b, std::move(web), {alpha, adhesion}, friction};
+             bool adhesion, double settling, double smallest, const Friction& friction) {
+            new (self)
+                ContactPair{a, b, std::move(web), {alpha, adhesion, settling, smallest}, friction};
           },
           nb::arg("a"), nb::arg("b"), nb::arg("web"), nb::arg("alpha"), nb::arg("adhesion"),
-          nb::arg("friction"));
-  BindFound(m);
+          nb::arg("settling"), nb::arg("smallest"), nb::arg("friction"));
+  BindLoadedSprings(m);
   BindContactArrays(m);
   BindForces(m);
-  BindStepTable(m);
+  BindLinearization(m);
+  BindContactState(m);
   nb::class_<Model>(m, "ContactModel")
       .def(nb::init<int, std::vector<ContactGeometry>, std::vector<ContactPair>, int>(),
            nb::arg("num_bodies"), nb::arg("geometries"), nb::arg("pairs"), nb::arg("threads"))
-      .def("find", &Find, nb::arg("X_FB"), nb::arg("table").none() = nb::none())
-      .def("forces", &ComputeForces, nb::arg("found"), nb::arg("V_FB"),
-           nb::arg("table").none() = nb::none())
+      .def("find", &Find, nb::arg("X_FB"), nb::arg("state").none() = nb::none())
+      .def("forces", &ComputeForces, nb::arg("loaded"), nb::arg("V_FB"),
+           nb::arg("state").none() = nb::none())
       .def("evaluate", &Evaluate, nb::arg("X_FB"), nb::arg("V_FB"),
-           nb::arg("table").none() = nb::none())
-      .def("coast", &Model::Coast, nb::arg("table"), nb::arg("duration"),
-           nb::call_guard<nb::gil_scoped_release>())
-      .def("advance", &Model::Advance, nb::arg("table"), nb::arg("time"), nb::arg("forces"),
-           nb::call_guard<nb::gil_scoped_release>());
+           nb::arg("state").none() = nb::none())
+      .def(
+          "eased",
+          [](const Model& self, std::vector<double> depths, double start, double duration) {
+            return std::const_pointer_cast<ContactState>(
+                self.Eased({start, duration, std::move(depths)}));
+          },
+          nb::arg("depths"), nb::arg("start"), nb::arg("duration"))
+      .def("linearize", &Linearize, nb::arg("X_FB"), nb::arg("V_FB"),
+           nb::arg("state").none() = nb::none(), nb::arg("symmetric") = false)
+      .def("coast", &Coast, nb::arg("state"), nb::arg("duration"))
+      .def("advance", &Advance, nb::arg("state"), nb::arg("time"), nb::arg("forces"))
+      .def("advance_implicitly", &AdvanceImplicitly, nb::arg("state"), nb::arg("time"),
+           nb::arg("forces"));
 }
 
 }  // namespace contact_toolkit

@@ -1,9 +1,10 @@
 #include <nanobind/nanobind.h>
 
-#include "arrays.h"
-#include "gjk.h"
-#include "shapes.h"
-#include "swept.h"
+#include "bindings/arrays.h"
+#include "bindings/shapes.h"
+#include "query/swept/gjk.h"
+#include "query/swept/swept.h"
+#include "query/witness/witness.h"
 
 namespace contact_toolkit {
 namespace {
@@ -33,32 +34,27 @@ nb::object GjkOf(PointsIn a, PointsIn b, double bound) {
   return answer;
 }
 
-constexpr int kPiece = 3;  // in the place of a feature's kind
+// In the place of a feature's kind.
+constexpr auto kPiece = static_cast<FeatureKind>(3);
 
-nb::tuple FeatureOf(const ConvexLeaves& shape, std::int32_t index) {
-  const int kind = shape.mesh() != nullptr ? static_cast<int>(FeatureKind::kFacet) : kPiece;
-  return nb::make_tuple(kind, index);
+Feature FeatureOf(const ConvexLeaves& shape, std::int32_t index) {
+  return {shape.mesh() != nullptr ? FeatureKind::kFacet : kPiece, index};
 }
 
 // The closest pair where at least one shape is made of pieces.
-nb::dict DistanceOfPieces(nb::handle A, nb::handle B, PoseIn X_AB, double upper_bound) {
+ClosestPair DistanceOfPieces(nb::handle A, nb::handle B, PoseIn X_AB, double upper_bound) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   const Pose pose = Pose::FromMatrix(X_AB.data());
-  SweptDistance pair;
-  {
-    const nb::gil_scoped_release release;
-    pair = FindSweptDistance(a, b, Motion(pose, pose), 0, upper_bound);
-  }
-  nb::dict answer;
-  answer["distance"] = pair.distance;
-  answer["p_ACa"] = ToNumpy(pair.p_ACa);
-  answer["p_ACb"] = ToNumpy(pair.p_ACb);
-  answer["normal_A"] = ToNumpy(Normalized(pair.p_ACa - pair.p_ACb));
-  answer["facet_a"] = pair.index_a;
-  answer["facet_b"] = pair.index_b;
-  answer["feature_a"] = FeatureOf(a, pair.index_a);
-  answer["feature_b"] = FeatureOf(b, pair.index_b);
-  return answer;
+  const nb::gil_scoped_release release;
+  const SweptDistance pair = FindSweptDistance(a, b, Motion(pose, pose), 0, upper_bound);
+  return {pair.distance,
+          pair.p_ACa,
+          pair.p_ACb,
+          Normalized(pair.p_ACa - pair.p_ACb),
+          pair.facet_a,
+          pair.facet_b,
+          FeatureOf(a, pair.facet_a),
+          FeatureOf(b, pair.facet_b)};
 }
 
 bool PiecesIntersect(nb::handle A, nb::handle B, PoseIn X_AB) {

@@ -1,12 +1,12 @@
 // The facet kernel alone, without a hierarchy: for benchmarks and tests.
 
-#include "facet_pair.h"
+#include "query/witness/facet_pair.h"
 
 #include <nanobind/nanobind.h>
 
 #include <algorithm>
 
-#include "arrays.h"
+#include "bindings/arrays.h"
 
 namespace contact_toolkit {
 namespace {

@@ -1,12 +1,12 @@
 // FloatingBodies: multibody state to poses and velocities, wrenches to generalized forces.
-#include "floating_bodies.h"
+#include "contact/floating_bodies.h"
 
 #include <nanobind/stl/vector.h>
 
 #include <stdexcept>
 #include <string>
 
-#include "arrays.h"
+#include "bindings/arrays.h"
 
 namespace contact_toolkit {
 namespace {
@@ -16,7 +16,8 @@ FloatingBodies Make(const std::vector<int>& body, const std::vector<int>& q_star
                     int num_velocities) {
   std::vector<FloatingBody> floating;
   for (std::size_t i = 0; i < body.size(); ++i) {
-    const FloatingBody& added = floating.emplace_back(body[i], q_start.at(i), v_start.at(i));
+    floating.push_back({body[i], q_start.at(i), v_start.at(i)});
+    const FloatingBody& added = floating.back();
     if (added.body < 0 || static_cast<std::size_t>(added.body) >= X_FB.shape(0) ||
         added.q_start < 0 || added.q_start + 7 > num_positions || added.v_start < 0 ||
         added.v_start + 6 > num_velocities) {

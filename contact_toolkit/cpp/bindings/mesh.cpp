@@ -1,8 +1,8 @@
-#include "mesh.h"
+#include "shapes/mesh.h"
 
 #include <nanobind/nanobind.h>
 
-#include "arrays.h"
+#include "bindings/arrays.h"
 
 namespace contact_toolkit {
 namespace {
@@ -41,10 +41,13 @@ nb::dict HierarchyFigures(const CollisionMesh& mesh) {
   return figures;
 }
 
-// Boxes (lower, upper) of the children of all nodes at a depth; the root's children are depth 0.
+// The eight corners each, in the mesh's frame, of the boxes of the children of all nodes at a
+// depth; the root's children are depth 0. Bit i of a corner's number is set at the box's upper end
+// along the hierarchy's axis i.
 Array<double> HierarchyBoxes(const CollisionMesh& mesh, int depth) {
   const Bvh& bvh = mesh.bvh();
-  std::vector<Vec3> boxes;
+  const Mat3 to_mesh = Transpose(bvh.axes);
+  std::vector<Vec3> corners;
   std::vector<std::pair<int, int>> stack{{0, 0}};
   while (!stack.empty()) {
     const auto [index, level] = stack.back();
@@ -52,16 +55,20 @@ Array<double> HierarchyBoxes(const CollisionMesh& mesh, int depth) {
     const BvhNode& node = bvh.nodes[index];
     for (int k = 0; k < node.count; ++k) {
       if (level == depth) {
-        const Vec3 c = bvh.origin + Vec3{node.center[0][k], node.center[1][k], node.center[2][k]};
-        const Vec3 h{node.half[0][k], node.half[1][k], node.half[2][k]};
-        boxes.push_back(c - h);
-        boxes.push_back(c + h);
+        for (int corner = 0; corner < 8; ++corner) {
+          Vec3 p;
+          for (int i = 0; i < 3; ++i) {
+            const double half = node.half[i][k];
+            p[i] = node.center[i][k] + (corner >> i & 1 ? half : -half);
+          }
+          corners.push_back(bvh.origin + to_mesh * p);
+        }
       } else if (!node.bottom()) {
         stack.push_back({node.child[k], level + 1});
       }
     }
   }
-  return ToNumpy(std::move(boxes));
+  return ToNumpy(std::move(corners));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ void BindFloatingBodies(nanobind::module_& m);
 void BindMesh(nanobind::module_& m);
 void BindPoint(nanobind::module_& m);
 void BindPoses(nanobind::module_& m);
+void BindStep(nanobind::module_& m);
 void BindSwept(nanobind::module_& m);
 void BindWitness(nanobind::module_& m);
 }  // namespace contact_toolkit
@@ -32,5 +33,6 @@ NB_MODULE(_core, m) {
   contact_toolkit::BindFloatingBodies(m);
   contact_toolkit::BindConvex(m);
   contact_toolkit::BindPoses(m);
+  contact_toolkit::BindStep(m);
   contact_toolkit::BindSwept(m);
 }

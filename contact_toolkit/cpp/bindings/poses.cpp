@@ -6,18 +6,20 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
-#include "arrays.h"
-#include "tolerances.h"
+#include "base/tolerances.h"
+#include "bindings/arrays.h"
 
 namespace contact_toolkit {
 namespace {
 
 // Raises ValueError unless m is a rigid transform within the core's range.
-void CheckPose(const double* m, const std::string& name) {
+void CheckPose(const double* m, std::string_view called) {
+  const auto name = [&] { return std::string(called); };  // only ever needed where it is wrong
   for (int i = 0; i < 16; ++i) {
     if (!std::isfinite(m[i])) {
-      throw nb::value_error((name + " has an entry that is not finite").c_str());
+      throw nb::value_error((name() + " has an entry that is not finite").c_str());
     }
   }
   const Pose pose = Pose::FromMatrix(m);
@@ -27,7 +29,7 @@ void CheckPose(const double* m, const std::string& name) {
     char number[32];
     std::snprintf(number, sizeof number, "%g", farthest);
     throw nb::value_error(
-        (name + " has a translation of " + number + " m, beyond the limit of 1e15 m").c_str());
+        (name() + " has a translation of " + number + " m, beyond the limit of 1e15 m").c_str());
   }
   const auto& R = pose.R.row;
   bool rigid = m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
@@ -43,7 +45,7 @@ void CheckPose(const double* m, const std::string& name) {
       std::snprintf(number, sizeof number, i % 4 == 0 ? "\n%12.6g" : " %12.6g", m[i]);
       found += number;
     }
-    throw nb::value_error((name +
+    throw nb::value_error((name() +
                            " is not a rigid transform: its upper left block must be a rotation and "
                            "its last row 0 0 0 1; found" +
                            found)
@@ -61,8 +63,8 @@ void CheckPoses(PosesIn X, const std::string& name) {
 
 void BindPoses(nb::module_& m) {
   m.def(
-      "check_pose", [](PoseIn X, const std::string& name) { CheckPose(X.data(), name); },
-      nb::arg("X"), nb::arg("name"));
+      "check_pose", [](PoseIn X, const char* name) { CheckPose(X.data(), name); },
+      nb::arg("X").noconvert(), nb::arg("name"));
   m.def("check_poses", &CheckPoses, nb::arg("X"), nb::arg("name"));
 }
 

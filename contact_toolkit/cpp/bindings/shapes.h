@@ -3,8 +3,8 @@
 
 #include <nanobind/nanobind.h>
 
-#include "convex_leaves.h"
-#include "convex_pieces.h"
+#include "shapes/convex_leaves.h"
+#include "shapes/convex_pieces.h"
 
 namespace contact_toolkit {
 

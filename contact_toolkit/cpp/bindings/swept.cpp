@@ -1,10 +1,10 @@
-#include "swept.h"
+#include "query/swept/swept.h"
 
 #include <nanobind/nanobind.h>
 
-#include "arrays.h"
-#include "parallel.h"
-#include "shapes.h"
+#include "base/parallel.h"
+#include "bindings/arrays.h"
+#include "bindings/shapes.h"
 
 namespace contact_toolkit {
 namespace {
@@ -59,8 +59,8 @@ nb::dict DistancesOf(nb::handle A, nb::handle B, PosesIn poses, BoundsIn upper_b
   columns["distance"] = ToNumpy(Column(answers, &Answer::distance));
   columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
   columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
-  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
-  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  columns["facet_a"] = ToNumpy(Column(answers, &Answer::facet_a));
+  columns["facet_b"] = ToNumpy(Column(answers, &Answer::facet_b));
   return columns;
 }
 
@@ -72,7 +72,7 @@ Array<bool> IntersectionsOf(nb::handle A, nb::handle B, PosesIn poses, int threa
 }
 
 double ErrorOf(const SweptDistance& answer) {
-  return answer.index_a < 0 ? 0 : answer.distance - answer.lower_bound;
+  return answer.facet_a < 0 ? 0 : answer.distance - answer.lower_bound;
 }
 
 nb::dict SweptDistancesOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end, double tolerance,
@@ -95,8 +95,8 @@ nb::dict SweptDistancesOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end
   columns["time"] = ToNumpy(Column(answers, &Answer::time));
   columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
   columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
-  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
-  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  columns["facet_a"] = ToNumpy(Column(answers, &Answer::facet_a));
+  columns["facet_b"] = ToNumpy(Column(answers, &Answer::facet_b));
   columns["converged"] = ToBooleans(std::move(converged));
   return columns;
 }
@@ -114,8 +114,8 @@ nb::dict TimesOfImpactOf(nb::handle A, nb::handle B, PosesIn start, PosesIn end,
   columns["p_ACa"] = ToNumpy(Column(answers, &Answer::p_ACa));
   columns["p_ACb"] = ToNumpy(Column(answers, &Answer::p_ACb));
   columns["normal_A"] = ToNumpy(Column(answers, &Answer::normal_A));
-  columns["index_a"] = ToNumpy(Column(answers, &Answer::index_a));
-  columns["index_b"] = ToNumpy(Column(answers, &Answer::index_b));
+  columns["facet_a"] = ToNumpy(Column(answers, &Answer::facet_a));
+  columns["facet_b"] = ToNumpy(Column(answers, &Answer::facet_b));
   std::vector<std::int32_t> status;
   for (const Answer& answer : answers) status.push_back(static_cast<int>(answer.status));
   columns["status"] = ToNumpy(std::move(status));
@@ -145,8 +145,8 @@ nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, d
   fields["time"] = answer.time;
   fields["p_ACa"] = ToNumpy(answer.p_ACa);
   fields["p_ACb"] = ToNumpy(answer.p_ACb);
-  fields["index_a"] = answer.index_a;
-  fields["index_b"] = answer.index_b;
+  fields["facet_a"] = answer.facet_a;
+  fields["facet_b"] = answer.facet_b;
   fields["converged"] = answer.converged;
   return fields;
 }
@@ -166,8 +166,8 @@ nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, do
   fields["p_ACa"] = ToNumpy(answer.p_ACa);
   fields["p_ACb"] = ToNumpy(answer.p_ACb);
   fields["normal_A"] = ToNumpy(answer.normal_A);
-  fields["index_a"] = answer.index_a;
-  fields["index_b"] = answer.index_b;
+  fields["facet_a"] = answer.facet_a;
+  fields["facet_b"] = answer.facet_b;
   fields["status"] = static_cast<int>(answer.status);
   return fields;
 }

@@ -1,13 +1,11 @@
-#include "witness.h"
+#include "query/witness/witness.h"
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 
-#include <type_traits>
-
-#include "arrays.h"
-#include "simd/kernels.h"
-#include "witness_cache.h"
+#include "bindings/arrays.h"
+#include "kernels/kernels.h"
+#include "query/cache/witness_cache.h"
 
 namespace contact_toolkit {
 
@@ -25,17 +23,8 @@ thread_local std::size_t last_rows = 0;
 
 WitnessPairs RoomForRows() {
   WitnessPairs pairs;
-  pairs.Reserve(last_rows + last_rows / 8 + FacetPairs::kCapacity);
+  ReserveColumns(&pairs, last_rows + last_rows / 8 + FacetPairs::kCapacity);
   return pairs;
-}
-
-// A column as a read-only array that keeps its rows alive: made when asked for, as making all nine
-// takes longer than many a query.
-template <auto column>
-auto ColumnOf(nb::handle rows) {
-  const auto& values = nb::cast<const WitnessPairs&>(rows).*column;
-  using E = Element<typename std::remove_cvref_t<decltype(values)>::value_type>;
-  return ViewOf<typename E::Scalar>(values, E::columns, rows);
 }
 
 WitnessPairs WitnessPairsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
@@ -63,23 +52,20 @@ nb::tuple FeatureTuple(const Feature& f) {
   return nb::make_tuple(static_cast<int>(f.kind), f.index);
 }
 
-nb::dict DistanceOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
-                    double upper_bound) {
-  ClosestPair closest;
-  {
-    const nb::gil_scoped_release release;
-    closest = FindDistance(A, B, Pose::FromMatrix(X_AB.data()), upper_bound);
-  }
-  nb::dict result;
-  result["distance"] = closest.distance;
-  result["p_ACa"] = ToNumpy(closest.p_ACa);
-  result["p_ACb"] = ToNumpy(closest.p_ACb);
-  result["normal_A"] = ToNumpy(closest.normal_A);
-  result["facet_a"] = closest.facet_a;
-  result["facet_b"] = closest.facet_b;
-  result["feature_a"] = FeatureTuple(closest.feature_a);
-  result["feature_b"] = FeatureTuple(closest.feature_b);
-  return result;
+ClosestPair DistanceOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB,
+                       double upper_bound) {
+  const nb::gil_scoped_release release;
+  return FindDistance(A, B, Pose::FromMatrix(X_AB.data()), upper_bound);
+}
+
+// Arrays and tuples are made when asked for: making all takes longer than many a query.
+template <auto point>
+Array<double> PointOf(const ClosestPair& pair) {
+  return ToNumpy(pair.*point);
+}
+template <auto feature>
+nb::tuple FeatureOf(const ClosestPair& pair) {
+  return FeatureTuple(pair.*feature);
 }
 
 bool IntersectsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB) {
@@ -90,19 +76,20 @@ bool IntersectsOf(const CollisionMesh& A, const CollisionMesh& B, PoseIn X_AB) {
 }  // namespace
 
 void BindWitness(nb::module_& m) {
-  nb::class_<WitnessPairs>(m, "WitnessPairs")
-      .def("__len__", &WitnessPairs::size)
-      .def_prop_ro("distance", &ColumnOf<&WitnessPairs::distance>)
-      .def_prop_ro("p_ACa", &ColumnOf<&WitnessPairs::p_ACa>)
-      .def_prop_ro("p_ACb", &ColumnOf<&WitnessPairs::p_ACb>)
-      .def_prop_ro("normal_A", &ColumnOf<&WitnessPairs::normal_A>)
-      .def_prop_ro("facet_a", &ColumnOf<&WitnessPairs::facet_a>)
-      .def_prop_ro("facet_b", &ColumnOf<&WitnessPairs::facet_b>)
-      .def_prop_ro("feature_a", &ColumnOf<&WitnessPairs::feature_a>)
-      .def_prop_ro("feature_b", &ColumnOf<&WitnessPairs::feature_b>)
-      .def_prop_ro("multiplicity", &ColumnOf<&WitnessPairs::multiplicity>);
+  nb::class_<WitnessPairs> pairs(m, "WitnessPairs");
+  pairs.def("__len__", &WitnessPairs::size);
+  BindColumns(pairs);
   m.def("witness_pairs", &WitnessPairsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
         nb::arg("standoff"), nb::arg("merge"), nb::arg("threads"));
+  nb::class_<ClosestPair>(m, "ClosestPair")
+      .def_ro("distance", &ClosestPair::distance)
+      .def_prop_ro("p_ACa", &PointOf<&ClosestPair::p_ACa>)
+      .def_prop_ro("p_ACb", &PointOf<&ClosestPair::p_ACb>)
+      .def_prop_ro("normal_A", &PointOf<&ClosestPair::normal_A>)
+      .def_ro("facet_a", &ClosestPair::facet_a)
+      .def_ro("facet_b", &ClosestPair::facet_b)
+      .def_prop_ro("feature_a", &FeatureOf<&ClosestPair::feature_a>)
+      .def_prop_ro("feature_b", &FeatureOf<&ClosestPair::feature_b>);
   m.def("distance", &DistanceOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"),
         nb::arg("upper_bound"));
   m.def("intersects", &IntersectsOf, nb::arg("A"), nb::arg("B"), nb::arg("X_AB"));

@@ -1,0 +1,49 @@
+"""The README's table of models."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from benchmarks.model_zoo.fall import AT_REST, Fall
+from benchmarks.model_zoo.files import ModelFile
+
+_BEGIN = "<!-- model zoo: python -m benchmarks.model_zoo -->"
+_END = "<!-- end of model zoo -->"
+
+
+def write_table(readme: Path, falls: Mapping[ModelFile, Fall]) -> None:
+    """Replace the table between its marks; raises ValueError where the marks are missing."""
+    text = readme.read_text()
+    if _BEGIN not in text or _END not in text:
+        raise ValueError(f"{readme}: put the table between {_BEGIN} and {_END}")
+    before, rest = text.split(_BEGIN, 1)
+    after = rest.split(_END, 1)[1]
+    readme.write_text(f"{before}{_BEGIN}\n{table(falls)}\n{_END}{after}")
+
+
+def table(falls: Mapping[ModelFile, Fall]) -> str:
+    """Return the table in Markdown, one row a model."""
+    rows = ["| model | after 1 s | forces against weight | × real time |", "|---|---|---|---|"]
+    for model, each in falls.items():
+        rows.append(
+            f"| {model.name} | {_state(each)} | {_percent(each.imbalance)} "
+            f"| {_figure(each.real_time_factor)} |"
+        )
+    ran = sum(each.outcome == "ran" for each in falls.values())
+    return f"{ran} of {len(falls)} run.\n\n" + "\n".join(rows)
+
+
+def _state(each: Fall) -> str:
+    if each.outcome != "ran":
+        return f"{each.outcome}: {each.reason}".replace("|", "/")
+    return "at rest" if each.speed < AT_REST else f"moves, {each.speed:.2g} m/s"
+
+
+def _percent(share: float) -> str:
+    return "–" if math.isnan(share) else f"{100 * share:+.2f} %"
+
+
+def _figure(factor: float) -> str:
+    return "–" if math.isnan(factor) else f"{factor:.2g}"

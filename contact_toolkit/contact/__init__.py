@@ -1,0 +1,1 @@
+"""The contact law, friction, and the model that turns poses and velocities into wrenches."""

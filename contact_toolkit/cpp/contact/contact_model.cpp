@@ -1,0 +1,392 @@
+#include "contact/contact_model.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/parallel.h"
+#include "base/scratch.h"
+#include "base/tolerances.h"
+#include "contact/anchor_update.h"
+#include "contact/broad_phase.h"
+#include "math/hermite_motion.h"
+
+namespace contact_toolkit {
+namespace {
+
+template <typename T>
+bool SameBits(std::span<const T> a, std::span<const T> b) {
+  static_assert(sizeof(T) % sizeof(double) == 0);
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+// Of a model or a state.
+std::uint64_t NextId() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+bool IsFinite(const Vec3& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+std::string NumbersOf(const Vec3& a) {
+  char numbers[80];
+  std::snprintf(numbers, sizeof numbers, "(%g, %g, %g)", a.x, a.y, a.z);
+  return numbers;
+}
+
+}  // namespace
+
+ContactModel::ContactModel(int num_bodies, std::vector<ContactGeometry> geometries,
+                           std::vector<ContactPair> pairs, int threads)
+    : id_(NextId()),
+      num_bodies_(num_bodies),
+      geometries_(std::move(geometries)),
+      pairs_(std::move(pairs)),
+      threads_(threads) {}
+
+Pose ContactModel::PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const {
+  const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
+  return RelativePose(a.X_BG, RelativePose(X_FB[a.body], X_FB[b.body]) * b.X_BG);
+}
+
+Twist ContactModel::MotionOf(const ContactPair& pair, std::span<const Pose> X_FB,
+                             std::span<const Twist> V_FB) const {
+  const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
+  const Pose& X_FA = X_FB[a.body];
+  const Twist V_F = RelativeTwist(X_FA, V_FB[a.body], X_FB[b.body], V_FB[b.body]);
+  const Mat3 R_GF = Transpose(X_FA.R * a.X_BG.R);
+  return {R_GF * V_F.w, R_GF * VelocityAt(V_F, X_FA.R * a.X_BG.p)};
+}
+
+std::shared_ptr<LoadedSprings> ContactModel::NewLoadedSprings() const {
+  const std::shared_ptr<LoadedSprings> loaded = loaded_stock_.Take();
+  loaded->model_id = id_;
+  return loaded;
+}
+
+void ContactModel::FindPair(int index, std::span<const Pose> X_FB, const ContactState* state,
+                            PairSprings* found) const {
+  const ContactPair& pair = pairs_[index];
+  const ContactGeometry& a = geometries_[pair.a];
+  found->pair = index;
+  found->X_FA = X_FB[a.body] * a.X_BG;
+  found->X_AB = PoseOf(pair, X_FB);
+  found->springs.withheld = state ? state->Withheld(index) : 0;
+  if (std::isinf(found->springs.withheld)) {
+    found->springs.clear();
+    return;
+  }
+  const auto memory = state ? state->StateOf(index).memory : nullptr;
+  if (memory) {
+    pair.web->RecallSprings(*memory, found->X_AB, &found->springs);
+  } else {
+    pair.web->FindSprings(found->X_AB, &found->springs);
+  }
+}
+
+PairForce ContactModel::ComputePair(const PairSprings& found, std::span<const Pose> X_FB,
+                                    std::span<const Twist> V_FB, const ContactState* state,
+                                    std::span<Stretch> stretches,
+                                    std::span<SpringForce> springs) const {
+  const ContactPair& pair = pairs_[found.pair];
+  if (pair.friction.anchored()) {
+    const bool stepped = state && state->forces;
+    const Pose last_X_AB = stepped ? PoseOf(pair, state->forces->loaded->X_FB) : Pose{};
+    const auto anchors = state ? state->StateOf(found.pair).anchors : nullptr;
+    FindStretches(*pair.web, found.springs, found.X_AB, anchors.get(),
+                  stepped ? &last_X_AB : nullptr, stretches);
+  }
+  return ComputePairForce(pair.law, pair.friction, found.springs, MotionOf(pair, X_FB, V_FB),
+                          stretches, springs);
+}
+
+std::shared_ptr<const LoadedSprings> ContactModel::Find(std::span<const Pose> X_FB,
+                                                        const ContactState* state) const {
+  if (state && state->forces && SameBits<Pose>(state->forces->loaded->X_FB, X_FB)) {
+    return state->forces->loaded;
+  }
+  return FindLoaded(X_FB, state, false);
+}
+
+std::shared_ptr<LoadedSprings> ContactModel::FindLoaded(std::span<const Pose> X_FB,
+                                                        const ContactState* state,
+                                                        bool with_slopes) const {
+  const std::shared_ptr<LoadedSprings> loaded = NewLoadedSprings();
+  loaded->X_FB.assign(X_FB.begin(), X_FB.end());
+  const std::vector<int> near = PairsInReach(geometries_, pairs_, X_FB);
+  if (loaded->pairs.size() < near.size()) loaded->pairs.resize(near.size());
+  ParallelFor(static_cast<int>(near.size()), threads_, [&](int i, int) {
+    loaded->pairs[i].springs.slopes.wanted = with_slopes;
+    FindPair(near[i], X_FB, state, &loaded->pairs[i]);
+  });
+  loaded->size = 0;
+  loaded->num_springs = 0;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const SpringSet& springs = loaded->pairs[i].springs;
+    if (springs.size() == 0 && springs.status == kNominal) continue;
+    loaded->num_springs += springs.size();
+    if (loaded->size != i) std::swap(loaded->pairs[loaded->size], loaded->pairs[i]);
+    ++loaded->size;
+  }
+  return loaded;
+}
+
+std::shared_ptr<const Forces> ContactModel::ComputeForces(
+    std::shared_ptr<const LoadedSprings> loaded, std::span<const Twist> V_FB,
+    const ContactState* state) const {
+  if (state && state->forces && state->forces->loaded == loaded &&
+      SameBits<Twist>(state->forces->V_FB, V_FB)) {
+    return state->forces;
+  }
+  return EvaluateForces(std::move(loaded), V_FB, state);
+}
+
+std::shared_ptr<const Forces> ContactModel::EvaluateForces(
+    std::shared_ptr<const LoadedSprings> loaded, std::span<const Twist> V_FB,
+    const ContactState* state) const {
+  const std::shared_ptr<Forces> forces = forces_stock_.Take();
+  forces->loaded = loaded;
+  forces->V_FB.assign(V_FB.begin(), V_FB.end());
+  forces->state_id = state ? state->id : 0;
+  forces->springs.resize(loaded->num_springs);
+  forces->stretches.resize(loaded->num_springs);
+  forces->first.clear();
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < loaded->size; ++i) {
+    forces->first.push_back(first);
+    first += loaded->pairs[i].springs.size();
+  }
+  forces->pairs.resize(loaded->size);
+  ParallelFor(static_cast<int>(loaded->size), threads_, [&](int i, int) {
+    forces->pairs[i] = ComputePair(loaded->pairs[i], loaded->X_FB, V_FB, state,
+                                   forces->StretchesOf(i), forces->SpringsOf(i));
+  });
+  AddUp(forces.get());
+  return forces;
+}
+
+// In the order of the pairs, whichever thread computed them.
+void ContactModel::AddUp(Forces* forces) const {
+  forces->body_wrenches.assign(num_bodies_, {});
+  forces->energetics = {};
+  for (std::size_t i = 0; i < forces->loaded->size; ++i) {
+    AddWrenches(forces->loaded->pairs[i], forces->pairs[i], forces);
+  }
+}
+
+PairForce ContactModel::LinearizeFound(const PairSprings& found, std::span<const Pose> X_FB,
+                                       std::span<const Twist> V_FB, const ContactState* state,
+                                       Symmetry symmetry, PairLinearization* out) const {
+  const ContactPair& pair = pairs_[found.pair];
+  auto& stretches = Scratch<std::vector<Stretch>>([] {});
+  auto& sources = Scratch<StretchSources>([] {});
+  auto& forces = Scratch<std::vector<SpringForce>>([] {});
+  forces.resize(found.springs.size());
+  stretches.resize(found.springs.size());
+  if (pair.friction.anchored()) {
+    const bool stepped = state && state->forces;
+    const Pose last_X_AB = stepped ? PoseOf(pair, state->forces->loaded->X_FB) : Pose{};
+    const auto anchors = state ? state->StateOf(found.pair).anchors : nullptr;
+    FindStretches(*pair.web, found.springs, found.X_AB, anchors.get(),
+                  stepped ? &last_X_AB : nullptr, stretches, &sources);
+  }
+  return LinearizePair(pair.law, pair.friction, found.springs, MotionOf(pair, X_FB, V_FB),
+                       stretches, forces, out, &sources, symmetry);
+}
+
+Linearization ContactModel::Linearize(std::span<const Pose> X_FB, std::span<const Twist> V_FB,
+                                      const ContactState* state, Symmetry symmetry) const {
+  const std::shared_ptr<const LoadedSprings> loaded = FindLoaded(X_FB, state, true);
+  Linearization result;
+  result.Resize(loaded->size);
+  ParallelFor(static_cast<int>(loaded->size), threads_, [&](int i, int) {
+    const PairSprings& entry = loaded->pairs[i];
+    const ContactPair& pair = pairs_[entry.pair];
+    const Twist V_A = MotionOf(pair, X_FB, V_FB);
+    PairLinearization of_geometry;
+    const PairForce total = LinearizeFound(entry, X_FB, V_FB, state, symmetry, &of_geometry);
+    const ContactGeometry& a = geometries_[pair.a];
+    const Mat3& R_FG = entry.X_FA.R;
+    const Vec3 arm = X_FB[a.body].R * a.X_BG.p, force = R_FG * total.force;
+    const PairLinearization of_body = ReferToBody(of_geometry, R_FG, arm, force, R_FG * V_A.w);
+    result.pair[i] = entry.pair;
+    result.bodies[i] = {a.body, geometries_[pair.b].body};
+    result.wrench[i] = {R_FG * total.torque + Cross(arm, force), force};
+    result.stiffness[i] = of_body.stiffness;
+    result.damping[i] = of_body.damping;
+  });
+  return result;
+}
+
+void ContactModel::AddWrenches(const PairSprings& entry, const PairForce& total,
+                               Forces* forces) const {
+  const ContactPair& pair = pairs_[entry.pair];
+  const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
+  const Pose &X_FA = forces->loaded->X_FB[a.body], &X_FB = forces->loaded->X_FB[b.body];
+  // One force and one moment for the pair: what B gets is what A gets, turned round.
+  const Mat3& R_FG = entry.X_FA.R;
+  const Vec3 force = R_FG * total.force;
+  const Vec3 torque = R_FG * total.torque + Cross(X_FA.R * a.X_BG.p, force);
+  const Vec3 about_b = torque + Cross(X_FA.p - X_FB.p, force);
+  if (!IsFinite(force) || !IsFinite(torque) || !IsFinite(about_b)) {
+    const Twist &V_FA = forces->V_FB[a.body], &V_FB = forces->V_FB[b.body];
+    throw std::runtime_error(
+        "pair " + std::to_string(entry.pair) + " ('" + a.name + "', '" + b.name +
+        "'): the contact force is not finite: " + NumbersOf(force) + " N, " + NumbersOf(torque) +
+        " N m, at relative velocities of " + NumbersOf(V_FA.v - V_FB.v) + " m/s and " +
+        NumbersOf(V_FA.w - V_FB.w) +
+        " rad/s. Velocities like these come of steps too long for the stiffness, or of an overlap "
+        "at the start; where they are moderate, please report the two meshes and poses");
+  }
+  Wrench &on_a = forces->body_wrenches[a.body], &on_b = forces->body_wrenches[b.body];
+  on_a.force += force;
+  on_a.torque += torque;
+  on_b.force -= force;
+  on_b.torque -= about_b;
+  forces->energetics += total.energetics;
+}
+
+Energetics ContactModel::Lost(const ContactState& state, const Forces& end, double duration) const {
+  const Forces& start = *state.forces;
+  Energetics sum = start.energetics;
+  sum += end.energetics;
+  const double lost = 0.5 * duration * (sum.damping_power + std::abs(sum.tangential_power));
+  const double energy =
+      sum.stored_normal + sum.stored_tangential + state.damping_loss + state.friction_loss;
+  if (lost <= kLedgerTolerance * energy) {
+    sum *= 0.5 * duration;
+    return sum;
+  }
+  std::vector<Pose> X_FB(num_bodies_);
+  std::vector<Twist> V_FB(num_bodies_);
+  for (int i = 0; i < num_bodies_; ++i) {
+    const BodyState halfway = Halfway({start.loaded->X_FB[i], start.V_FB[i]},
+                                      {end.loaded->X_FB[i], end.V_FB[i]}, duration);
+    X_FB[i] = halfway.X_FB;
+    V_FB[i] = halfway.V_FB;
+  }
+  Energetics halfway = ComputeForces(Find(X_FB, &state), V_FB, &state)->energetics;
+  halfway *= 4;
+  sum += halfway;
+  sum *= duration / 6;
+  return sum;
+}
+
+std::shared_ptr<const Forces> ContactModel::Coast(const ContactState& state,
+                                                  double duration) const {
+  if (!state.forces) return nullptr;
+  const Forces& start = *state.forces;
+  std::vector<Pose> X_FB(num_bodies_);
+  for (int i = 0; i < num_bodies_; ++i) {
+    X_FB[i] = Coasted({start.loaded->X_FB[i], start.V_FB[i]}, duration);
+  }
+  return ComputeForces(Find(X_FB, &state), start.V_FB, &state);
+}
+
+std::shared_ptr<const ContactState> ContactModel::Eased(Easing easing) const {
+  if (easing.depth.size() != pairs_.size()) {
+    throw std::invalid_argument("depths must be one for each pair");
+  }
+  if (!(easing.duration > 0)) throw std::invalid_argument("duration must be positive");
+  for (const double depth : easing.depth) {
+    if (!(depth >= 0)) throw std::invalid_argument("depths must not be negative");
+  }
+  const auto state = std::make_shared<ContactState>();
+  state->id = NextId();
+  state->model_id = id_;
+  state->easing = std::make_shared<const Easing>(std::move(easing));
+  return state;
+}
+
+std::shared_ptr<const ContactState> ContactModel::Advance(
+    std::shared_ptr<const ContactState> state, double time,
+    std::shared_ptr<const Forces> forces) const {
+  const Forces* last = state->forces.get();
+  if (last && time == state->time && SameBits<Pose>(last->loaded->X_FB, forces->loaded->X_FB) &&
+      SameBits<Twist>(last->V_FB, forces->V_FB)) {
+    return state;
+  }
+  if (time < state->time) {
+    const auto afresh = std::make_shared<ContactState>();
+    afresh->easing = state->easing;
+    state = afresh;
+    last = nullptr;
+  }
+  if (forces->state_id != state->id) {
+    forces = EvaluateForces(forces->loaded, forces->V_FB, state.get());
+  }
+  bool dragged = false;
+  const auto next = Next(*state, time, forces, &dragged);
+  if (last) {
+    const Energetics lost = Lost(*state, *forces, time - state->time);
+    next->damping_loss += lost.damping_power;
+    next->friction_loss += lost.tangential_power - (forces->energetics.stored_tangential -
+                                                    last->energetics.stored_tangential);
+  }
+  // What was dragged pulls differently from here on, and the next step starts with that.
+  if (dragged) next->forces = EvaluateForces(forces->loaded, forces->V_FB, next.get());
+  return next;
+}
+
+std::shared_ptr<const ContactState> ContactModel::AdvanceImplicitly(
+    std::shared_ptr<const ContactState> state, double time,
+    std::shared_ptr<const Forces> forces) const {
+  if (forces->state_id != state->id) {
+    forces = EvaluateForces(forces->loaded, forces->V_FB, state.get());
+  }
+  bool dragged = false;
+  const auto next = Next(*state, time, forces, &dragged);
+  if (const Forces* last = state->forces.get()) {
+    const Energetics &start = last->energetics, &end = forces->energetics;
+    const double duration = time - state->time;
+    const double damped = duration * end.damping_power, rubbed = duration * end.tangential_power;
+    next->damping_loss += damped;
+    next->friction_loss += rubbed - (end.stored_tangential - start.stored_tangential);
+    // A constant force changes the kinetic energy by its power at the mean of the velocities.
+    const double given = 0.5 * (forces->PowerAt(last->V_FB) + forces->PowerAt(forces->V_FB));
+    next->numerical_loss +=
+        -duration * given - (end.stored_normal - start.stored_normal) - damped - rubbed;
+  }
+  return next;
+}
+
+std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, double time,
+                                                 std::shared_ptr<const Forces> forces,
+                                                 bool* dragged) const {
+  const Forces* last = state.forces.get();
+  const auto next = std::make_shared<ContactState>();
+  next->id = NextId();
+  next->model_id = id_;
+  next->time = time;
+  next->easing = state.easing;
+  next->damping_loss = state.damping_loss;
+  next->friction_loss = state.friction_loss;
+  next->numerical_loss = state.numerical_loss;
+  next->pairs.resize(forces->loaded->size);
+  std::atomic<bool> changed = false;
+  ParallelFor(static_cast<int>(forces->loaded->size), threads_, [&](int i, int) {
+    const PairSprings& entry = forces->loaded->pairs[i];
+    const ContactPair& pair = pairs_[entry.pair];
+    PairState pair_state = state.StateOf(entry.pair);
+    if (pair.friction.anchored()) {
+      const auto before = pair_state.anchors;
+      pair_state.anchors = UpdateAnchors(pair.friction, entry.springs, entry.X_AB,
+                                         forces->StretchesOf(i), forces->SpringsOf(i), before);
+      if (pair_state.anchors != before) changed.store(true, std::memory_order_relaxed);
+    }
+    const Pose last_X_AB = last ? PoseOf(pair, last->loaded->X_FB) : entry.X_AB;
+    pair_state.memory = pair.web->Remember(entry.springs, last_X_AB, entry.X_AB, pair_state.memory);
+    next->pairs[i] = std::move(pair_state);
+  });
+  next->forces = std::move(forces);
+  *dragged = changed;
+  return next;
+}
+
+}  // namespace contact_toolkit

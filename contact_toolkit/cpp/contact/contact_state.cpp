@@ -1,0 +1,12 @@
+#include "contact/contact_state.h"
+
+#include <algorithm>
+
+namespace contact_toolkit {
+
+PairState ContactState::StateOf(int pair) const {
+  const auto it = std::ranges::lower_bound(pairs, pair, {}, &PairState::pair);
+  return it != pairs.end() && it->pair == pair ? *it : PairState{pair, nullptr, nullptr};
+}
+
+}  // namespace contact_toolkit

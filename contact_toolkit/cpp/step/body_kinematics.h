@@ -1,0 +1,38 @@
+// Where the bodies of a contact model are at the end of a step, as a function of its velocities.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "step/step_problem.h"
+
+namespace contact_toolkit {
+
+class BodyKinematics {
+ public:
+  BodyKinematics(const StepTopology& topology, const StepProblem& problem);
+
+  // Pose and velocity at the end of a step at velocities v (nv).
+  Pose PoseOf(int body, std::span<const double> v) const;
+  Twist TwistOf(int body, std::span<const double> v) const;
+
+  // Displacement (rotation, translation of Bo) and velocity of the body by the velocities of its
+  // tree, at the end of a step at v: (6, nv of the tree), row-major, in F.
+  void Differentiate(int body, std::span<const double> v, double* displacement,
+                     double* velocity) const;
+
+ private:
+  Pose EndOfRoot(const StepTree& tree, std::span<const double> v) const;
+
+  const StepTopology& topology_;
+  const StepProblem& problem_;
+};
+
+// Of a quaternion [w x y z], of any length.
+Mat3 RotationOf(const double* q);
+
+// The rotation that a unit quaternion undergoes when its rate at angular velocity w is held for
+// `step` and the result normalized: by 2 atan(step |w| / 2).
+Mat3 QuaternionStep(const Vec3& w, double step);
+
+}  // namespace contact_toolkit

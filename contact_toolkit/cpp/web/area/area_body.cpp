@@ -1,0 +1,68 @@
+#include "web/area/area_body.h"
+
+#include <utility>
+
+#include "web/area/thickness.h"
+
+namespace contact_toolkit {
+
+AreaBody::AreaBody(std::shared_ptr<const Solid> solid, const Primitive& primitive)
+    : mesh_(solid->mesh()),
+      surface_(std::make_shared<const ProbedSurface>(std::move(solid), primitive)) {}
+
+double AreaBody::thickness() const {
+  const std::lock_guard lock(mutex_);
+  if (thickness_ < 0) thickness_ = FindThickness(surface_->solid());
+  return thickness_;
+}
+
+double AreaBody::flatness() const {
+  constexpr double kLarge = 0.02;  // [-] of the whole surface
+  const std::lock_guard lock(mutex_);
+  if (flatness_ >= 0) return flatness_;
+  double area = 0, flat = 0;
+  const FlatSides flats = FindFlatSides(*mesh_);
+  for (const FlatSides::Side& side : flats.sides) area += side.area;
+  for (const FlatSides::Side& side : flats.sides) {
+    if (side.area >= kLarge * area) flat += side.area;
+  }
+  return flatness_ = area > 0 ? flat / area : 0;
+}
+
+std::shared_ptr<const AreaNodes> AreaBody::nodes(double spacing) const {
+  const std::lock_guard lock(mutex_);
+  auto& kept = nodes_[spacing];
+  if (!kept) kept = std::make_shared<const AreaNodes>(mesh_, spacing);
+  return kept;
+}
+
+std::shared_ptr<const DistanceBounds> AreaBody::bounds(double finest) const {
+  const std::lock_guard lock(mutex_);
+  auto& kept = bounds_[finest];
+  if (!kept) kept = std::make_shared<const DistanceBounds>(surface_, finest);
+  return kept;
+}
+
+std::shared_ptr<const FlatRegions> AreaBody::flats(double finest) const {
+  const std::lock_guard lock(mutex_);
+  auto& kept = flats_[finest];
+  if (!kept) kept = std::make_shared<const FlatRegions>(surface_, finest);
+  return kept;
+}
+
+std::shared_ptr<const WedgeRegions> AreaBody::wedges(double finest) const {
+  auto flats = this->flats(finest);
+  const std::lock_guard lock(mutex_);
+  auto& kept = wedges_[finest];
+  if (!kept) kept = std::make_shared<const WedgeRegions>(surface_, std::move(flats), finest);
+  return kept;
+}
+
+std::shared_ptr<const SmoothField> AreaBody::smooth_field(double cell) const {
+  const std::lock_guard lock(mutex_);
+  auto& kept = smooth_fields_[cell];
+  if (!kept) kept = std::make_shared<const SmoothField>(surface_, cell);
+  return kept;
+}
+
+}  // namespace contact_toolkit

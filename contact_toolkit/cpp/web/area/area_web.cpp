@@ -1,0 +1,364 @@
+#include "web/area/area_web.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "base/scratch.h"
+#include "base/tolerances.h"
+#include "math/rounded_down.h"
+#include "web/area/area_loader.h"
+#include "web/area/area_memory.h"
+#include "web/area/area_probe.h"
+
+namespace contact_toolkit {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMuchThinner = 0.125;   // [-] fraction of a body's thickness: then it goes first
+constexpr double kMuchFlatter = 0.25;    // [-] fraction of a body's surface: then it is probed
+constexpr double kEquallyLarge = 0.01;   // [-] fraction within which sizes count as equal
+constexpr double kCellsInThickness = 8;  // of the smooth field: fewer would flatten a thin body
+constexpr double kCellsInStandoff = 2;   // about an open surface, whose distance has a kink there
+constexpr double kFinestShell = 0.125;   // spacings: finer cells cost more than the exact field
+constexpr double kFinestCell = 1e-7;     // of the probed diagonal: cells are counted in 32 bits
+constexpr double kCaptureShare = 0.98;   // of the largest depth: no distance is larger than that
+constexpr double kUsualResolution = 0.02, kFinestResolution = 5e-4;
+// Node spacing over the radius of a round body's patch.
+constexpr double kBallShare = 0.35, kCylinderShare = 0.7;
+constexpr double kWeightOfWater = 9.8e3;  // [N/m³]
+constexpr double kCellShare = 0.01;       // of the smaller diagonal: the smooth field's usual cell
+constexpr double kSmoothedCells = 1.5;    // by which the smooth field flattens the largest depth
+
+bool SamplesA(const AreaBody& A, const AreaBody& B, AreaSide side) {
+  if (side != AreaSide::kAuto) return side == AreaSide::kA;
+  const bool a_closed = A.surface()->closed(), b_closed = B.surface()->closed();
+  if (a_closed != b_closed) return b_closed;
+  // A round body is probed, where it is known to be one: facets would make it rattle as it rolls.
+  const bool a_round = A.surface()->primitive().roundness() > 0;
+  const bool b_round = B.surface()->primitive().roundness() > 0;
+  if (a_round != b_round) return b_round;
+  if (A.thickness() < kMuchThinner * B.thickness()) return true;
+  if (B.thickness() < kMuchThinner * A.thickness()) return false;
+  if (std::abs(A.flatness() - B.flatness()) > kMuchFlatter) return A.flatness() < B.flatness();
+  const double a = A.mesh().diagonal(), b = B.mesh().diagonal();
+  if (std::abs(a - b) > kEquallyLarge * std::max(a, b)) return a < b;
+  return A.mesh().faces().size() >= B.mesh().faces().size();
+}
+
+// [m] By the radius, or half the width, of the patch in which a round body presses on a flat one.
+double NodeSpacing(const Primitive& round, double force, const AreaWebOptions& options) {
+  const double R = round.roundness(), n = options.exponent;
+  if (!(R > 0)) return kInfinity;
+  // A ball bears 2 π K R δ^{n+1} / (n + 1). A cylinder of length L bears no less than √(2 R) K L
+  // δ^{n+1/2} per 4/3; it lies, as a rule.
+  double depth =
+      std::pow(force * (n + 1) / (2 * std::numbers::pi * options.stiffness * R), 1 / (n + 1));
+  if (round.kind != Primitive::Kind::kSphere && round.size.y > 0) {
+    depth = std::min(depth,
+                     std::pow(0.75 * force / (options.stiffness * round.size.y * std::sqrt(2 * R)),
+                              1 / (n + 0.5)));
+  }
+  const bool ball = round.kind == Primitive::Kind::kSphere;
+  return (ball ? kBallShare : kCylinderShare) * std::sqrt(2 * R * depth);
+}
+
+void Require(bool good, const std::string& message) {
+  if (!good) throw std::invalid_argument(message);
+}
+
+}  // namespace
+
+AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBody> B,
+                 const AreaWebOptions& options)
+    : options_(options), samples_a_(SamplesA(*A, *B, options.sampled)) {
+  const auto finite_positive = [](double x) { return x > 0 && x < kInfinity; };
+  Require(finite_positive(options.stiffness), "stiffness must be positive and finite");
+  Require(options.exponent >= 1 && options.exponent <= 3, "exponent n must be between 1 and 3");
+  Require(options.standoff >= 0 && options.standoff < kInfinity, "standoff must not be negative");
+  Require(options.fillet >= 0 && options.fillet < kInfinity, "fillet must not be negative");
+  Require(options.resolution < 0 || (options.resolution >= 1e-4 && options.resolution <= 1),
+          "resolution must be between 1e-4 and 1, or left out for what is needed");
+  Require(options.nominal_force >= 0 && options.nominal_force < kInfinity,
+          "nominal_force must not be negative");
+  const AreaBody& sampled = samples_a_ ? *A : *B;
+  const AreaBody& probed = samples_a_ ? *B : *A;
+  surface_ = probed.surface();
+  Require(surface_->closed() || options.standoff > 0,
+          "the probed body has no inside to measure a penetration by; give the pair a standoff, or "
+          "close the mesh");
+  if (options.fillet > 0) {
+    fillets_ = std::make_unique<const EdgeFillets>(A->mesh(), B->mesh(), options.stiffness,
+                                                   options.exponent, options.fillet);
+  }
+  const double smaller = std::min(A->mesh().diagonal(), B->mesh().diagonal());
+  spacing_ = (options.resolution > 0 ? options.resolution : kUsualResolution) * smaller;
+  if (options.resolution < 0) {
+    const double volume = std::min(std::abs(A->mesh().volume()), std::abs(B->mesh().volume()));
+    const double force =
+        options.nominal_force > 0 ? options.nominal_force : kWeightOfWater * volume;
+    const double needed = NodeSpacing(surface_->primitive(), force, options);
+    spacing_ = std::min(spacing_, std::max(needed, kFinestResolution * smaller));
+  }
+  if (const double R = surface_->primitive().roundness(); R > 0) {
+    const double curvatures = surface_->primitive().kind == Primitive::Kind::kSphere ? 2 : 1;
+    bulge_ = 0.5 * curvatures / (24 * R);
+    most_bulge_ = bulge_ * 3 * spacing_ * spacing_;
+  }
+  nodes_ = sampled.nodes(spacing_);
+  bounds_ = probed.bounds(0.5 * spacing_);
+  const double thickness = probed.thickness();
+  const double deepest = 0.5 * thickness;
+  capture_depth_ = kInfinity;
+  if (surface_->closed()) {
+    // Nodes stand only so close to the deepest points, where the way out is lost; coarser ones tell
+    // of the depth by chance.
+    const double missed = 0.75 * spacing_;
+    capture_depth_ = kCaptureShare * deepest;
+    if (missed < deepest / 3) capture_depth_ = std::min(capture_depth_, deepest - missed);
+  }
+  const double in_shell = options.standoff / kCellsInStandoff;
+  const bool fine = !surface_->closed() && in_shell < kFinestShell * spacing_;
+  if (options.field == AreaField::kSmooth && !surface_->primitive() && !fine) {
+    cell_ = std::min(kCellShare * smaller, 0.5 * spacing_);
+    cell_ = std::min(cell_, surface_->closed() ? thickness / kCellsInThickness : in_shell);
+    cell_ = std::max(cell_, kFinestCell * probed.mesh().diagonal());
+    if (surface_->closed()) {
+      capture_depth_ = std::min(capture_depth_, deepest - kSmoothedCells * cell_);
+    }
+    smooth_ = probed.smooth_field(cell_);
+    flat_margin_ = 2 * smooth_->support();
+  }
+  if (surface_->closed() && surface_->primitive().has_flat_sides())
+    flats_ = probed.flats(0.5 * spacing_);
+  // Outside a wedge the distance is not linear, what is not the whole boundary tells nothing, and
+  // only with n = 1 are pieces integrated exactly.
+  const bool polyhedron =
+      surface_->solid().kind() == SolidKind::kClosed && !(surface_->primitive().roundness() > 0);
+  if (polyhedron && flats_ && !(options.standoff > 0) && options.exponent == 1)
+    wedges_ = probed.wedges(0.5 * spacing_);
+}
+
+double AreaWeb::reach() const {
+  return options_.standoff + most_bulge_ + SmoothField::kDeviation * cell_;
+}
+
+Pose AreaWeb::PoseOfSampled(const Pose& X_AB) const { return samples_a_ ? Inverse(X_AB) : X_AB; }
+
+template <typename Function>
+auto AreaWeb::WithProbe(const Function& function) const {
+  return smooth_ ? function(SmoothProbe(*smooth_, *bounds_, options_.standoff))
+                 : function(ExactProbe(*surface_, *bounds_, options_.standoff + most_bulge_));
+}
+
+std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
+                                double way) const {
+  if (!flats_) return -1;
+  const double radius = RadiusOf(corners);
+  auto [side, clear, doubt] = flats_->About(X_PS * CenterOf(corners), radius);
+  if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
+  if (!(clear > radius)) return -1;
+  const FlatSides::Side& plane = flats_->side(side);
+  double most = way;
+  for (const Vec3& corner : corners) {
+    most = std::max(most, std::abs(Dot(plane.normal, X_PS * corner) - plane.offset) + way);
+  }
+  if (clear > radius + flat_margin_ + most) return side;
+  return clear > radius + most && smooth_ && IsExact(X_PS * CenterOf(corners), radius, way) ? side
+                                                                                            : -1;
+}
+
+std::int32_t AreaWeb::GroundUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
+                                  double way) const {
+  const std::int32_t side = SideUnder(X_PS, corners, way);
+  return side >= 0 || !wedges_ ? side : WedgeUnder(X_PS, corners, way);
+}
+
+std::int32_t AreaWeb::WedgeUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
+                                 double way) const {
+  const double radius = RadiusOf(corners);
+  auto [index, clear, doubt] = wedges_->About(X_PS * CenterOf(corners), radius);
+  if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
+  if (!(clear > radius)) return -1;
+  // Inside the wedge no point is deeper than under the plane that the triangle is least under.
+  const Wedge& wedge = wedges_->wedge(index);
+  double deepest = kInfinity;
+  for (int j = 0; j < wedge.count; ++j) {
+    const FlatSides::Side& plane = flats_->side(wedge.side[j]);
+    double least = kInfinity;
+    for (const Vec3& corner : corners) {
+      least = std::min(least, Dot(plane.normal, X_PS * corner) - plane.offset);
+    }
+    deepest = std::min(deepest, std::max(0.0, way - least));
+  }
+  if (!(clear > radius + deepest)) return -1;
+  return static_cast<std::int32_t>(flats_->flats().sides.size()) + index;
+}
+
+std::span<const std::int32_t> AreaWeb::SidesOf(const std::int32_t& ground) const {
+  const auto num_sides = static_cast<std::int32_t>(flats_->flats().sides.size());
+  if (ground < num_sides) return {&ground, 1};
+  const Wedge& wedge = wedges_->wedge(ground - num_sides);
+  return {wedge.side.data(), static_cast<std::size_t>(wedge.count)};
+}
+
+// Whether the smooth field is the exact distance throughout the ball, wherever it moves.
+bool AreaWeb::IsExact(const Vec3& center, double radius, double way) const {
+  double doubt;
+  return smooth_->IsExact(center, radius, &doubt) &&
+         (!(way > 0) || smooth_->IsExact(center, radius + way + doubt, &doubt));
+}
+
+std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, double way,
+                                double* height) const {
+  if (!flats_) return -1;
+  const auto& [center_S, radius] = leaf.around;
+  const Vec3 center = X_PS * center_S;
+  auto [side, clear, doubt] = flats_->About(center, leaf.largest);
+  clear -= KnownRegion::kUncertain * clear + doubt + radius + way;
+  const double needed = leaf.largest + flat_margin_;
+  if (!(clear > needed)) return -1;
+  const FlatSides::Side& plane = flats_->side(side);
+  const double over = Dot(plane.normal, center) - plane.offset;
+  *height = over - radius;
+  return clear > needed + std::abs(over) + radius + way ? side : -1;
+}
+
+// `way(p, radius)`: how far the points of a ball may yet move; nowhere at one pose.
+template <typename Probe, typename Way>
+void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
+                     AreaCandidates* candidates) const {
+  struct Test {
+    const AreaWeb& web;
+    const Pose& X_PS;
+    const Way& way;
+    Probe* probe;
+    bool at_one_pose;
+
+    bool MayLoad(const Sphere& sphere) const {
+      return !web.bounds_->Beyond(X_PS * sphere.center, sphere.radius,
+                                  web.reach() + way(sphere.center, sphere.radius));
+    }
+    bool MayLoad(const std::array<Vec3, 3>& corners) const {
+      const Sphere sphere = SphereAround(corners.data(), 3);
+      if (!web.surface_->primitive()) return MayLoad(sphere);
+      // The distance from a convex body is a convex function: nowhere below its tangent.
+      const Vec3 center = X_PS * sphere.center;
+      const FieldValue middle = web.surface_->Probe(center);
+      double least = kInfinity;
+      for (const Vec3& corner : corners) {
+        least = std::min(least, Dot(middle.gradient, X_PS * corner - center));
+      }
+      const double rounding = kTouching * (Norm(X_PS.p) + Norm(center) + std::abs(middle.phi));
+      return middle.phi + least - rounding <= web.reach() + way(sphere.center, sphere.radius);
+    }
+    double Clearance(const Vec3& p) const { return probe->Clearance(X_PS * p, way(p, 0)); }
+    std::int32_t GroundUnder(const std::array<Vec3, 3>& corners) const {
+      double farthest = 0;
+      for (const Vec3& corner : corners) farthest = std::max(farthest, way(corner, 0));
+      return web.GroundUnder(X_PS, corners, farthest);
+    }
+    bool MayLoadAbove(const AreaPatch::Leaf& leaf, std::int32_t* side) const {
+      const double farthest = way(leaf.around.center, leaf.around.radius);
+      double height;
+      *side = web.SideUnder(X_PS, leaf, farthest, &height);
+      return *side < 0 || !(height - farthest > web.options_.standoff);
+    }
+    float ClearanceAbove(std::int32_t ground, const std::array<Vec3, 3>& corners) const {
+      double most = -kInfinity;
+      for (const std::int32_t side : web.SidesOf(ground)) {
+        const FlatSides::Side& plane = web.flats_->side(side);
+        double least = kInfinity;
+        for (const Vec3& corner : corners) {
+          least = std::min(least, Dot(plane.normal, X_PS * corner) - plane.offset);
+        }
+        most = std::max(most, least);
+      }
+      return RoundedDown(most - web.options_.standoff);
+    }
+  };
+  const bool at_one_pose = !(way(Vec3{}, 0) > 0);
+  CandidateGatherer(*nodes_, Test{*this, X_PS, way, probe, at_one_pose}, candidates).Run();
+}
+
+void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
+  auto& candidates = Scratch<AreaCandidates>([] {});
+  WithProbe([&](auto probe) {
+    const auto nowhere = [](const Vec3&, double) { return 0.0; };
+    Gather(PoseOfSampled(X_AB), nowhere, &probe, &candidates);
+    Loader(*this, candidates, probe, X_AB, springs).Run(0);
+  });
+  if (fillets_ && springs->withheld == 0) fillets_->AddSprings(X_AB, springs);
+}
+
+void AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
+  const auto& near = static_cast<const AreaMemory&>(memory);
+  const double motion = near.Motion(PoseOfSampled(X_AB));
+  if (!(motion <= near.slack)) return FindSprings(X_AB, springs);
+  if (smooth_) {
+    const SmoothProbe probe(*smooth_, *bounds_, options_.standoff);
+    Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
+  } else {
+    const RecallingProbe probe(*surface_, near.facets, motion);
+    Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
+  }
+  if (fillets_ && springs->withheld == 0) fillets_->AddSprings(X_AB, springs);
+}
+
+std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, const Pose& last_X_AB,
+                                                   const Pose& X_AB,
+                                                   std::shared_ptr<const WebMemory> before) const {
+  if (springs.size() == 0) return nullptr;
+  const Pose last_X_PS = PoseOfSampled(last_X_AB), X_PS = PoseOfSampled(X_AB);
+  if (const auto* kept = static_cast<const AreaMemory*>(before.get())) {
+    if (kept->Motion(X_PS) + MotionAround(kept->around, last_X_PS, X_PS) <= kept->slack) {
+      return before;
+    }
+  }
+  Sphere around = SphereAround(springs.p_AC.data(), springs.size());
+  if (!samples_a_) around.center = Inverse(X_AB) * around.center;
+  around.radius = std::max(around.radius, spacing_);
+  const double slack = kAreaSlack * spacing_;
+  // Gathering must serve at least one more step such as the last.
+  if (!(2 * MotionAround(around, last_X_PS, X_PS) <= slack)) return nullptr;
+  auto memory = std::make_shared<AreaMemory>();
+  memory->X_PS = X_PS;
+  memory->around = around;
+  memory->slack = slack;
+  WithProbe([&](auto probe) { GatherNear(&probe, memory.get()); });
+  return memory;
+}
+
+template <typename Probe>
+void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
+  const Pose& X_PS = memory->X_PS;
+  const auto way = [&](const Vec3& p, double radius) { return memory->Way(p, radius); };
+  AreaCandidates& candidates = memory->candidates;
+  Gather(X_PS, way, probe, &candidates);
+  for (AreaCandidates::Node& node : candidates.nodes) {
+    if (!(node.clearance <= 0)) continue;
+    const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff - most_bulge_;
+    node.clearance = RoundedDown(above / Probe::kSteepest);
+  }
+  for (AreaCandidates::Triangle& triangle : candidates.triangles) {
+    if (triangle.ground != AreaCandidates::kSmallest) continue;
+    triangle.clearance = std::numeric_limits<float>::infinity();
+    for (const std::int32_t i : triangle.node) {
+      triangle.clearance = std::min(triangle.clearance, candidates.nodes[i].clearance);
+    }
+  }
+  memory->Prune();
+  if (smooth_ || surface_->primitive()) return;
+  for (const AreaCandidates::Node& node : candidates.nodes) {
+    if (std::isnan(node.clearance)) {
+      memory->facets.Skip();
+    } else {
+      memory->facets.Add(surface_->mesh().bvh(), X_PS * node.p, memory->slack);
+    }
+  }
+}
+
+}  // namespace contact_toolkit

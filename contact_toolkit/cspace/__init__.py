@@ -1,0 +1,1 @@
+"""Classification of configurations and motions: free, near, colliding."""

@@ -1,0 +1,1 @@
+"""Distance queries between two bodies at a relative pose or over a motion."""

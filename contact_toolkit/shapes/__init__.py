@@ -1,0 +1,1 @@
+"""Bodies: triangle meshes and their files, convex pieces, primitives."""

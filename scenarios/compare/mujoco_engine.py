@@ -1,0 +1,240 @@
+"""A scenario under MuJoCo, where it is installed (extra `compare`): parts in convex pieces."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from contact_toolkit import CollisionMesh, decompose
+from scenarios.compare.outcome import Outcome, record_of
+from scenarios.format.errors import ScenarioError
+from scenarios.format.models import surface_of
+from scenarios.format.scenario import Scenario
+from scenarios.parts import write_obj
+from scenarios.simulation.drives import Course
+
+_CONVEX = 1e-3  # a part that fills its convex hull to this share is convex
+_STEP = 0.001  # [s] where the scenario has a continuous plant
+
+Floats = NDArray[np.float64]
+
+
+def mujoco_engine(scenario: Scenario) -> Outcome:
+    """Run it; raises ScenarioError where it has models that are no parts of the scenario."""
+    import mujoco
+
+    outcome = Outcome("MuJoCo")
+    with tempfile.TemporaryDirectory() as folder:
+        model = mujoco.MjModel.from_xml_string(_model_xml(scenario, Path(folder)))
+    data = mujoco.MjData(model)
+    _set_velocities(mujoco, model, data, scenario)
+    drives = [
+        (Course(drive), int(model.joint(name.rpartition("::")[2]).dofadr[0]),
+         int(model.joint(name.rpartition("::")[2]).qposadr[0]))
+        for name, drive in scenario.drives.items()
+    ]  # fmt: skip
+    moving = [
+        part for part in scenario.parts if model.body(part).dofnum[0] or _is_jointed(part, scenario)
+    ]
+    every = max(1, round(scenario.record_period / model.opt.timestep))
+    steps = round(scenario.simulation_duration / model.opt.timestep)
+    rows: list[tuple[float, list[Floats], list[Floats], float]] = []
+    wall = 0.0
+    for step in range(steps + 1):
+        if step % every == 0:
+            mujoco.mj_forward(model, data)
+            rows.append(_look(mujoco, model, data, moving))
+        started = time.perf_counter()
+        for course, dof, position in drives:
+            data.qfrc_applied[dof] = course.effort(data.time, data.qpos[position], data.qvel[dof])
+        mujoco.mj_step(model, data)
+        wall += time.perf_counter() - started
+    outcome.wall_time = wall
+    times = np.array([row[0] for row in rows])
+    poses = {part: np.stack([row[1][i] for row in rows]) for i, part in enumerate(moving)}
+    velocities = {part: np.stack([row[2][i] for row in rows]) for i, part in enumerate(moving)}
+    masses = {part: float(model.body(part).mass[0]) for part in moving}
+    kinetic = np.array([row[3] for row in rows])
+    outcome.poses = poses
+    outcome.record = record_of(times, poses, velocities, masses, kinetic, scenario.gravity)
+    outcome.judge(scenario)
+    return outcome
+
+
+def _is_jointed(part: str, scenario: Scenario) -> bool:
+    return any(joint.child.partition("::")[0] == part for joint in scenario.joints.values())
+
+
+def _look(
+    mujoco: Any, model: Any, data: Any, moving: list[str]
+) -> tuple[float, list[Floats], list[Floats], float]:
+    poses, velocities = [], []
+    for part in moving:
+        body = model.body(part).id
+        X = np.eye(4)
+        X[:3, :3], X[:3, 3] = data.xmat[body].reshape(3, 3), data.xpos[body]
+        V = np.zeros(6)
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, V, 0)
+        poses.append(X)
+        velocities.append(V)
+    mujoco.mj_energyVel(model, data)
+    return float(data.time), poses, velocities, float(data.energy[1])
+
+
+def _set_velocities(mujoco: Any, model: Any, data: Any, scenario: Scenario) -> None:
+    for name, joints in scenario.initial_velocity.items():
+        for joint, values in joints.items():
+            if joint in scenario.joints:
+                data.qvel[model.joint(joint).dofadr[0]] = np.ravel(values)[0]
+                continue
+            w, v = np.split(np.asarray(values, np.float64), 2)
+            start = int(model.body(name).dofadr[0])
+            R = np.empty(9)
+            mujoco.mju_quat2Mat(R, data.qpos[model.body(name).jntadr[0] + 3 :][:4].copy())
+            data.qvel[start : start + 3] = v
+            data.qvel[start + 3 : start + 6] = R.reshape(3, 3).T @ w  # in the body's frame
+    for name, joints in scenario.initial_position.items():
+        for joint, values in joints.items():
+            if joint not in scenario.joints:
+                raise ScenarioError(f"MuJoCo: initial_position of {name}.{joint} is not translated")
+            data.qpos[model.joint(joint).qposadr[0]] = np.ravel(values)[0]
+
+
+def _model_xml(scenario: Scenario, folder: Path) -> str:
+    root = ET.Element("mujoco")
+    ET.SubElement(root, "compiler", meshdir=str(folder), angle="radian")
+    step = scenario.plant_config.time_step or _STEP
+    option = {"timestep": repr(step), "gravity": _text(scenario.gravity), "cone": "elliptic",
+              "integrator": "implicitfast", "noslip_iterations": "0"}  # fmt: skip
+    ET.SubElement(root, "option", option)
+    assets, world = ET.SubElement(root, "asset"), ET.SubElement(root, "worldbody")
+    poses, fixed = _placements(scenario)
+    bodies: dict[str, ET.Element] = {}
+    for name in _parents_first(scenario):
+        if name not in poses:
+            raise ScenarioError(f"MuJoCo: the part {name} is in no add_model directive")
+        joint = next(
+            ((n, j) for n, j in scenario.joints.items() if j.child.partition("::")[0] == name), None
+        )
+        parent, position, quaternion = world, poses[name][:3, 3], _quaternion(poses[name])
+        if joint is not None:
+            above = joint[1].parent.partition("::")[0]
+            parent = world if above == "world" else bodies[above]
+            position, quaternion = np.array(joint[1].translation), np.array([1.0, 0, 0, 0])
+        body = ET.SubElement(parent, "body", name=name, pos=_text(position), quat=_text(quaternion))
+        bodies[name] = body
+        if joint is not None:
+            kind = {"prismatic": "slide", "revolute": "hinge"}[joint[1].kind]
+            ET.SubElement(body, "joint", name=joint[0], type=kind, axis=_text(joint[1].axis),
+                          damping=repr(joint[1].damping))  # fmt: skip
+        elif name not in fixed:
+            ET.SubElement(body, "freejoint", name=f"{name}_free")
+        _add_solid(scenario, name, body, assets, folder)
+    _add_pair_filter(scenario, root)
+    return ET.tostring(root, encoding="unicode")
+
+
+def _add_solid(
+    scenario: Scenario, name: str, body: ET.Element, assets: ET.Element, folder: Path
+) -> None:
+    part = scenario.parts[name]
+    surface = surface_of(part)
+    solid = trimesh.Trimesh(*surface, process=False)
+    solid.density = part.mass / solid.volume if part.mass else part.density
+    inertia = np.asarray(solid.moment_inertia)
+    full = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    ET.SubElement(body, "inertial", mass=repr(float(solid.mass)), pos=_text(solid.center_mass),
+                  fullinertia=_text(full))  # fmt: skip
+    friction, priority = _friction(scenario, name)
+    for number, piece in enumerate(_convex_pieces(surface, solid)):
+        path = write_obj(folder / f"{name}_{number}.obj", piece)
+        ET.SubElement(assets, "mesh", name=path.stem, file=path.name)
+        rubs = f"{friction} 0.005 0.0001"  # sliding, and MuJoCo's defaults of the others
+        ET.SubElement(body, "geom", type="mesh", mesh=path.stem, friction=rubs, condim="4",
+                      priority=str(priority))  # fmt: skip
+
+
+def _friction(scenario: Scenario, name: str) -> tuple[float, int]:
+    """Return a body's coefficient and whether it decides over the other's.
+
+    MuJoCo takes the larger of two bodies' coefficients unless one has priority.
+    """
+    contact = scenario.contact
+    for override in contact.overrides:
+        if override.bodies[:1] == [name] and override.friction.static is not None:
+            return override.friction.static, 1
+    return (0.5 if contact.friction.static is None else contact.friction.static), 0
+
+
+def _convex_pieces(surface: tuple[Floats, Any], solid: trimesh.Trimesh) -> list[Any]:
+    if solid.volume > (1.0 - _CONVEX) * solid.convex_hull.volume:
+        return [surface]
+    pieces = decompose(CollisionMesh(*surface))
+    return [
+        (hull.vertices, hull.faces.astype(np.int32))
+        for hull in (trimesh.convex.convex_hull(points) for points in pieces.pieces)
+    ]
+
+
+def _add_pair_filter(scenario: Scenario, root: ET.Element) -> None:
+    if not scenario.contact.pairs:
+        return
+    wanted = {frozenset(pair) for pair in scenario.contact.pairs}
+    contact = ET.SubElement(root, "contact")
+    names = list(scenario.parts)
+    for i, a in enumerate(names):
+        for b in names[i + 1 :]:
+            if frozenset((a, b)) not in wanted:
+                ET.SubElement(contact, "exclude", body1=a, body2=b)
+
+
+def _placements(scenario: Scenario) -> tuple[dict[str, Floats], set[str]]:
+    """Return X_WB of every part, and those welded to the world, from the directives."""
+    poses: dict[str, Floats] = {}
+    fixed: set[str] = set()
+    for directive in scenario.directives:
+        model, weld = directive.add_model, directive.add_weld
+        if model is not None:
+            if not model.file.startswith("package://parts/"):
+                raise ScenarioError(f"MuJoCo: {model.file} is no part of the scenario")
+            poses[model.name] = np.eye(4)
+            for body, X in (model.default_free_body_pose or {}).items():
+                poses[body] = X.GetDeterministicValue().GetAsMatrix4()
+        elif weld is not None:
+            child = weld.child.partition("::")[0]
+            fixed.add(child)
+            if weld.X_PC is not None:
+                poses[child] = weld.X_PC.GetDeterministicValue().GetAsMatrix4()
+        else:
+            raise ScenarioError("MuJoCo: only add_model and add_weld are translated")
+    return poses, fixed
+
+
+def _parents_first(scenario: Scenario) -> list[str]:
+    parents = {
+        joint.child.partition("::")[0]: joint.parent.partition("::")[0]
+        for joint in scenario.joints.values()
+    }
+
+    def depth(name: str) -> int:
+        above = parents.get(name, "world")
+        return 0 if above == "world" else 1 + depth(above)
+
+    return sorted(scenario.parts, key=depth)
+
+
+def _quaternion(X: Floats) -> Floats:
+    from scipy.spatial.transform import Rotation
+
+    return np.roll(Rotation.from_matrix(X[:3, :3]).as_quat(), 1)
+
+
+def _text(values: Any) -> str:
+    return " ".join(repr(float(value)) for value in values)

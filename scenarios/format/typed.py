@@ -1,0 +1,86 @@
+"""Raw YAML into a dataclass; what cannot be converted is named by its place in the file."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+
+from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
+
+from scenarios.format.errors import ScenarioError
+
+Place: TypeAlias = tuple[str | int, ...]  # keys and list indices, from the outside in
+Loaded = TypeVar("Loaded")
+
+
+def read_mapping(path: Path, of: str = "scenarios") -> dict[str, Any]:
+    """Return a YAML file's mapping of names to what they stand for; raise ScenarioError."""
+    try:
+        contents = yaml_load(filename=str(path))
+    except Exception as error:  # the parser raises its own kinds
+        raise ScenarioError(f"{path}: not readable as YAML: {error}") from error
+    if not isinstance(contents, dict) or not contents:
+        raise ScenarioError(f"{path}: expected a mapping of names to {of}")
+    return contents
+
+
+def typed(schema: type[Loaded], raw: dict[str, Any], where: str) -> Loaded:
+    """Return the dataclass of a raw mapping; raise ScenarioError naming the entry in `where`."""
+    try:
+        return _parse(schema, raw)
+    except Exception as error:  # the loader raises whatever a conversion raises
+        raise ScenarioError(f"{where}: {_explain(error, schema, raw)}") from error
+
+
+def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
+    loaded: Loaded = yaml_load_typed(schema=schema, data=yaml_dump(raw))
+    return loaded
+
+
+def _explain(error: Exception, schema: type, raw: dict[str, Any]) -> str:
+    """Name the entry that the loader stumbled over; it tells unknown keys without their parents."""
+    said = str(error)
+    place, value = _culprit(schema, raw, said)
+    where = ".".join(map(str, place))
+    if not where:
+        return said
+    if value is None:
+        return f"{where} is empty"
+    if "unknown to the schema" in said:
+        return f"unknown key {where}" if f"'{place[-1]}'" in said else f"{where}: {said}"
+    reason = "" if isinstance(error, AssertionError) else f" ({said})"  # it only repeats the value
+    return f"{where} cannot be {value!r}{reason}"
+
+
+def _culprit(schema: type, raw: dict[str, Any], said: str) -> tuple[Place, Any]:
+    """Return the innermost entry without which the loader does not complain as it `said`."""
+    place: Place = ()
+    node: Any = raw
+    relief = None  # what it says instead; taking away a good entry may be a mistake of its own
+    while isinstance(node, dict | list):
+        for key in node if isinstance(node, dict) else range(len(node)):
+            complaint = _complaint(schema, _without(raw, (*place, key)))
+            if complaint != said and relief in (None, complaint):
+                place, node, relief = (*place, key), node[key], complaint
+                break
+        else:
+            break
+    return place, node
+
+
+def _complaint(schema: type, raw: dict[str, Any]) -> str:
+    try:
+        _parse(schema, raw)
+    except Exception as error:  # noqa: BLE001  the loader raises whatever a conversion raises
+        return str(error)
+    return ""
+
+
+def _without(raw: dict[str, Any], place: Place) -> dict[str, Any]:
+    copy: dict[str, Any] = deepcopy(raw)
+    node: Any = copy
+    for key in place[:-1]:
+        node = node[key]
+    del node[place[-1]]
+    return copy

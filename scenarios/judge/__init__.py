@@ -1,0 +1,1 @@
+"""Whether a run did what it must: measures and acceptance checks."""

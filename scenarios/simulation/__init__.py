@@ -1,0 +1,1 @@
+"""From a scenario to a diagram, and the record of its run."""

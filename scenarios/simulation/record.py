@@ -1,0 +1,160 @@
+"""The time series of a run: one column per quantity, one row per sample."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, RigidBody
+from pydrake.systems.framework import Context
+
+from scenarios.simulation.assembly import Assembly
+from systems.plant.names import BodyNames
+
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Record:
+    """Columns by name, all of the same length; `units` says what they are measured in."""
+
+    columns: Mapping[str, Column]
+    units: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> Column:
+        return self.columns[name]
+
+    def last(self, window: float) -> NDArray[np.bool_]:
+        """Mark the samples of the last `window` seconds."""
+        time = self["time"]
+        return np.asarray(time >= time[-1] - window)
+
+    def positions(self) -> NDArray[np.float64]:
+        """Return where the origins of all moving bodies were, (n, 3) in the world [m]."""
+        bodies = [name.removesuffix(".z") for name in self.columns if name.endswith(".z")]
+        tracks = [np.stack([self[f"{b}.{axis}"] for axis in "xyz"], axis=1) for b in bodies]
+        return np.concatenate(tracks) if tracks else np.zeros((1, 3))
+
+    def save(self, path: Path) -> None:
+        """Write a Parquet file; the units are metadata of its fields."""
+        fields = [
+            pa.field(name, pa.float64(), metadata={"unit": self.units[name]})
+            for name in self.columns
+        ]
+        pq.write_table(pa.table(list(self.columns.values()), schema=pa.schema(fields)), path)
+
+    @classmethod
+    def load(cls, path: Path) -> Record:
+        """Read what `save` wrote."""
+        table = pq.read_table(path)
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        units = {field.name: field.metadata[b"unit"].decode() for field in table.schema}
+        return cls(columns, units)
+
+
+_BODY_UNITS = {
+    **dict.fromkeys(("x", "y", "z"), "m"),
+    **dict.fromkeys(("tilt", "yaw"), "rad"),
+    **dict.fromkeys(("wx", "wy", "wz"), "rad/s"),
+    **dict.fromkeys(("vx", "vy", "vz"), "m/s"),
+    **dict.fromkeys(("tx", "ty", "tz"), "N m"),
+    **dict.fromkeys(("fx", "fy", "fz"), "N"),
+}
+_MOTION = ("x", "y", "z", "tilt", "yaw", "wx", "wy", "wz", "vx", "vy", "vz")
+
+
+def motion_units() -> dict[str, str]:
+    """Return what is recorded of a body's motion, in order, and its units."""
+    return {quantity: _BODY_UNITS[quantity] for quantity in _MOTION}
+
+
+_UNITS = {
+    "time": "s",
+    "springs": "1",
+    "facet_pairs": "1",
+    **dict.fromkeys(("elastic_energy", "damping_loss", "friction_loss", "step_loss"), "J"),
+    **dict.fromkeys(("kinetic_energy", "gravitational_energy"), "J"),
+}
+
+
+def collect(assembly: Assembly, root: Context) -> Record:
+    """Gather the logs of a run, finished or not, into one record.
+
+    Energies: elastic (of the springs); lost until then in damping, to friction and to implicit
+    steps; kinetic, gravitational. Every moving body has the position of its origin, its tilt (of
+    its z axis from up) and yaw (of its x axis, unwrapped), its spatial velocity, the contact wrench
+    about its origin, all in the world, and `g_force`, the contact's upward force over the weight.
+    """
+    plant = assembly.plant
+    logs = {name: sink.FindLog(root) for name, sink in assembly.logs.items()}
+    samples = min(log.num_samples() for log in logs.values())  # an interrupted run may differ
+    data = {name: log.data()[:, :samples].T for name, log in logs.items()}
+    bodies = _moving_bodies(plant)
+    mechanics = np.empty((samples, 2))
+    motion = np.empty((samples, len(bodies), 11))
+    context = plant.CreateDefaultContext()
+    for sample, state in enumerate(data["state"]):
+        plant.SetPositionsAndVelocities(context, state)
+        mechanics[sample] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
+        for index, body in enumerate(bodies):
+            motion[sample, index] = _motion(plant, context, body)
+
+    normal, tangential, *losses = data["energies"].T
+    time = logs["state"].sample_times()[:samples].copy()
+    world = [time, *data["counts"].T, normal + tangential, *losses, *mechanics.T]
+    columns, units = dict(zip(_UNITS, world, strict=True)), dict(_UNITS)
+    names, gravity = BodyNames(plant), np.linalg.norm(plant.gravity_field().gravity_vector())
+    pushed = assembly.contact.bodies
+    wrenches = dict(zip(pushed, np.hsplit(data["wrenches"], len(pushed)), strict=True))
+    for index, body in enumerate(bodies):
+        name = names.name_of(body.index())
+        wrench = wrenches.get(body.index(), np.zeros((samples, 6)))
+        values = np.hstack([motion[:, index], wrench]).T
+        values[4] = np.unwrap(values[4])
+        for quantity, column in zip(_BODY_UNITS, values, strict=True):
+            columns[f"{name}.{quantity}"] = column
+            units[f"{name}.{quantity}"] = _BODY_UNITS[quantity]
+        if body.default_mass() > 0.0 and gravity > 0.0:
+            columns[f"{name}.g_force"] = values[-1] / (body.default_mass() * gravity)
+            units[f"{name}.g_force"] = "1"
+    if "passes" in data:
+        columns["passes"], units["passes"] = data["passes"].sum(axis=1), "1"
+    return Record(columns, units)
+
+
+def column_names(assembly: Assembly) -> dict[str, str]:
+    """Return the names and units of the columns that a run of this diagram will record."""
+    units = dict(_UNITS)
+    names = BodyNames(assembly.plant)
+    for body in _moving_bodies(assembly.plant):
+        name = names.name_of(body.index())
+        units |= {f"{name}.{quantity}": unit for quantity, unit in _BODY_UNITS.items()}
+        if body.default_mass() > 0.0 and np.any(assembly.plant.gravity_field().gravity_vector()):
+            units[f"{name}.g_force"] = "1"
+    if "passes" in assembly.logs:
+        units["passes"] = "1"
+    return units
+
+
+def _moving_bodies(plant: MultibodyPlant) -> list[RigidBody]:
+    """Return the bodies that are not welded to the world."""
+    fixed = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    bodies = (plant.get_body(BodyIndex(index)) for index in range(plant.num_bodies()))
+    return [body for body in bodies if body.index() not in fixed]
+
+
+def _motion(plant: MultibodyPlant, context: Context, body: RigidBody) -> Column:
+    X_WB = plant.EvalBodyPoseInWorld(context, body)
+    V_WB = plant.EvalBodySpatialVelocityInWorld(context, body)
+    R_WB = X_WB.rotation().matrix()
+    tilt = np.arctan2(np.hypot(R_WB[0, 2], R_WB[1, 2]), R_WB[2, 2])
+    yaw = np.arctan2(R_WB[1, 0], R_WB[0, 0])
+    return np.concatenate(
+        [X_WB.translation(), [tilt, yaw], V_WB.rotational(), V_WB.translational()]
+    )

@@ -1,0 +1,1 @@
+"""What is wrong with a step, said once and with the mend."""

@@ -1,0 +1,1 @@
+"""Systems that observe contact: swept checks and pictures."""

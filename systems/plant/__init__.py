@@ -1,0 +1,1 @@
+"""What a MultibodyPlant says of its bodies: names, geometry, materials, pairs."""

@@ -1,0 +1,309 @@
+"""ImplicitStep: contact forces of a discrete plant, solved together with its step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, JointActuatorIndex, JointIndex
+
+from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
+from systems.plant.pairs import GeometryPair
+from systems.step.plant_twin import PlantTwin, TwinAtState
+
+Floats = NDArray[np.float64]
+
+# A plant step lands this close to where the solver put it, relative to the change of velocity.
+_TOLERANCE = 1e-6
+# Solves in which contact and the plant's own limits and constraints come to agree.
+_ROUNDS = 8
+# [-] Of the free response: what a force does to velocities that a constraint holds fast.
+_RIGID = 1e-10
+_NOTHING = np.zeros((0, 0))
+
+
+@dataclass(frozen=True)
+class SolvedStep:
+    """A step of the plant under contact.
+
+    Attributes
+    ----------
+    solution
+        As the native solver found it; velocities in its own order.
+    velocities
+        (nv,) that contact was solved for.
+    generalized_forces
+        (nv,) of contact, over the whole step.
+    mismatch
+        Largest difference [m/s, rad/s] between the velocities that the plant reaches and those that
+        contact was solved for.
+    rounds
+        Solves it took contact and the plant's limits and constraints to agree.
+    """
+
+    solution: StepSolution
+    velocities: Floats
+    generalized_forces: Floats
+    mismatch: float
+    rounds: int
+
+    @property
+    def statistics(self) -> Floats:
+        """(5,) Newton iterations, force evaluations, islands, status, rounds."""
+        found = self.solution
+        return np.array(
+            [found.iterations, found.evaluations, found.islands, found.status, self.rounds], float
+        )
+
+
+class ImplicitStep:
+    """Solves backward Euler in the contact forces of a discrete plant.
+
+        A (v⁺ − v_free) = h Jᵀ F(q₀ + h N v⁺, v⁺)
+
+    The forces go to the plant's ordinary port, and its own update then lands on v⁺: v_free is where
+    that update goes without contact, asked of a `PlantTwin`, and A what it answers forces with: the
+    mass matrix, joint damping and the gains of controllers. Where limits or constraints of the
+    plant join in, A is taken from the twin, and solving is repeated until the twin agrees.
+
+    Parameters
+    ----------
+    plant
+        Finalized and discrete.
+    scene_graph
+        Its scene graph.
+    model, bodies
+        The contact model, and the plant's body for each of its bodies.
+    pairs
+        The geometries that the model stands for.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        scene_graph: SceneGraph,
+        model: ContactModel,
+        bodies: Sequence[BodyIndex],
+        pairs: Sequence[GeometryPair],
+    ) -> None:
+        self._twin = PlantTwin(plant, scene_graph, pairs)
+        self._step = plant.time_step()
+        self._nq, self._nv = plant.num_positions(), plant.num_velocities()
+        trees = _Trees(self._twin.plant, bodies, self._twin.touching)
+        self._jointed = trees.jointed
+        self._X_WB = trees.X_WB
+        self._no_jacobian = np.zeros((len(bodies), 6, self._nv if self._jointed else 0))
+        self._solver = StepSolver(
+            model,
+            num_positions=self._nq,
+            num_velocities=self._nv,
+            v_start=trees.v_start,
+            nv=trees.nv,
+            q_start=trees.q_start,
+            inertia_R=np.array(trees.inertia_R),
+            tree=trees.tree,
+            X_RB=trees.X_RB,
+        )
+        self._order = None if (np.diff(trees.order) == 1).all() else trees.order
+        self._dofs = trees.rest
+        self._floats = not len(trees.rest)
+        self._own = _implicit_terms(plant, self._step)
+        # Forces move such a plant as A says, whatever else acts on it.
+        self._affine = self._floats and not plant.num_constraints()
+        self._gravity = self._known_gravity() if self._affine else None
+
+    def solve(
+        self, time: float, x: Floats, inputs: Mapping[str, object], state: ContactState
+    ) -> SolvedStep:
+        """Solve the step from state x (nq + nv) at `time` [s].
+
+        Parameters
+        ----------
+        inputs
+            Values at the plant's other input ports, by name.
+        state
+            Of contact, at the start of the step.
+        """
+        q, v = x[: self._nq], x[self._nq :]
+        if self._gravity is not None and not inputs:
+            v_free = v.copy()
+            order = slice(None) if self._order is None else self._order
+            v_free[order] = self._solver.free_motion(q, v[order], self._step, self._gravity)
+            solution, aimed, forces = self._solve(
+                state, time, q, v, v_free, self._X_WB, _NOTHING, self._no_jacobian
+            )
+            return SolvedStep(solution, aimed, forces, 0.0, 1)
+        twin = self._twin.at(q, v, inputs)
+        given = inputs.get("applied_generalized_force")
+        outer = np.zeros(self._nv) if given is None else np.asarray(given)
+        v_free = twin.reached(outer)
+        inertia = _NOTHING if self._floats else twin.mass_matrix() + self._own
+        X_WB, jacobian = self._X_WB, self._no_jacobian
+        if self._jointed:
+            X_WB, jacobian = X_WB.copy(), np.zeros_like(jacobian)
+            twin.kinematics_after(v, self._step, self._jointed, X_WB, jacobian)
+        v_plain, before = v_free, np.inf
+        for round_ in range(1, _ROUNDS + 1):
+            solution, aimed, forces = self._solve(
+                state, time, q, v, v_plain, X_WB, inertia, jacobian
+            )
+            if self._affine:
+                return SolvedStep(solution, aimed, forces, 0.0, round_)
+            reached = twin.reached(outer + forces)
+            off = reached - aimed
+            mismatch = float(np.abs(off).max(initial=0.0))
+            if mismatch <= _TOLERANCE * (np.abs(reached - v).max() + np.abs(v_free - v).max()):
+                break
+            if round_ == _ROUNDS or mismatch > before / 2:
+                break
+            before = mismatch
+            if not self._floats:
+                inertia = self._response(twin, outer + forces, reached, inertia)
+                response = np.zeros(self._nv)
+                dofs = self._dofs
+                block = inertia[np.ix_(dofs, dofs)]
+                response[dofs] = self._step * np.linalg.solve(block, forces[dofs])
+                v_plain = reached - response
+                floating = np.setdiff1d(np.arange(self._nv), dofs)
+                v_plain[floating] = v_free[floating]
+        return SolvedStep(solution, aimed, forces, mismatch, round_)
+
+    def _known_gravity(self) -> Floats | None:
+        """Return the gravity under which the native free motion is the plant's; None: it is not."""
+        gravity = self._twin.plant.gravity_field().gravity_vector()
+        x = self._twin.plant.GetPositionsAndVelocities(self._twin.default_context())
+        q, v = x[: self._nq], np.linspace(0.5, 1.5, self._nv)
+        expected = self._twin.at(q, v, {}).reached(np.zeros(self._nv))
+        found = np.empty_like(v)
+        order = np.arange(self._nv) if self._order is None else self._order
+        found[order] = self._solver.free_motion(q, v[order], self._step, gravity)
+        return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
+
+    def _solve(
+        self,
+        state: ContactState,
+        time: float,
+        q: Floats,
+        v: Floats,
+        v_free: Floats,
+        X_WB: Floats,
+        inertia: Floats,
+        jacobian: Floats,
+    ) -> tuple[StepSolution, Floats, Floats]:
+        """Return the solution, its velocities and its generalized forces (nv,)."""
+        order = self._order
+        if order is None:
+            solution = self._solver.solve(
+                state, time, self._step, q, v, v_free, X_WB, inertia, jacobian, v
+            )
+            return solution, solution.v, solution.generalized_forces
+        if not self._floats:
+            inertia, jacobian = inertia[np.ix_(order, order)], jacobian[:, :, order].copy()
+        start = v[order]
+        solution = self._solver.solve(
+            state, time, self._step, q, start, v_free[order], X_WB, inertia, jacobian, start
+        )
+        reached, forces = np.empty_like(v), np.empty_like(v)
+        reached[order], forces[order] = solution.v, solution.generalized_forces
+        return solution, reached, forces
+
+    def _response(
+        self, twin: TwinAtState, forces: Floats, reached: Floats, inertia: Floats
+    ) -> Floats:
+        """Return A at these forces, by asking the twin; floating bodies keep theirs."""
+        dofs = self._dofs
+        response = np.zeros((len(dofs), len(dofs)))
+        # Small beside what acts, yet far above rounding.
+        size = 1e-4 * (np.abs(forces).max() + 1e-3)
+        for column, dof in enumerate(dofs):
+            pushed = forces.copy()
+            pushed[dof] += size
+            response[:, column] = (twin.reached(pushed) - reached)[dofs] / size
+        values, vectors = np.linalg.eigh(response / 2 + response.T / 2)
+        free = self._step / np.diag(inertia)[dofs].max()
+        values = np.maximum(values, _RIGID * max(values.max(), free))
+        after = inertia.copy()
+        after[np.ix_(dofs, dofs)] = self._step * (vectors / values) @ vectors.T
+        return after
+
+
+class _Trees:
+    """The plant's degrees of freedom as the solver wants them.
+
+    Each floating body, with what is welded to it, is a tree of its own, unless the plant has
+    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities make
+    one more tree, the last. `order` sorts velocities so.
+    """
+
+    def __init__(
+        self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], tied: set[BodyIndex]
+    ) -> None:
+        context = plant.CreateDefaultContext()
+        single = {}  # root of a floating tree → all bodies in it
+        if plant.num_constraints() == 0:
+            children = {
+                plant.get_joint(JointIndex(int(index))).parent_body().index()
+                for index in plant.GetJointIndices()
+                if plant.get_joint(JointIndex(int(index))).num_velocities() > 0
+            }
+            for index in plant.GetFloatingBaseBodies():
+                body = plant.get_body(index)
+                welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
+                if body.has_quaternion_dofs() and not welded & (children | tied):
+                    single[index] = welded
+        self.q_start: list[int] = []
+        self.inertia_R: list[Floats] = []
+        tree_of: dict[BodyIndex, tuple[int, BodyIndex]] = {}
+        order: list[int] = []
+        for tree, (root, welded) in enumerate(single.items()):
+            body = plant.get_body(root)
+            start = body.floating_velocities_start_in_v()
+            order += range(start, start + 6)
+            self.q_start.append(body.floating_positions_start())
+            inertia = plant.CalcSpatialInertia(context, body.body_frame(), sorted(welded, key=int))
+            self.inertia_R.append(inertia.CopyToFullMatrix6())
+            tree_of |= dict.fromkeys(welded, (tree, root))
+        self.v_start, self.nv = [6 * i for i in range(len(single))], [6] * len(single)
+        self.rest = np.setdiff1d(np.arange(plant.num_velocities()), order)
+        if len(self.rest):
+            self.v_start.append(len(order))
+            self.nv.append(len(self.rest))
+            self.q_start.append(-1)
+            self.inertia_R.append(np.zeros((6, 6)))
+        self.order = np.concatenate([np.array(order, int), self.rest])
+        self.X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
+        self.X_RB = np.tile(np.eye(4), (len(bodies), 1, 1))
+        self.tree = [-1] * len(bodies)
+        self.jointed: dict[int, BodyIndex] = {}
+        for row, index in enumerate(bodies):
+            body = plant.get_body(index)
+            if plant.IsAnchored(body):
+                self.X_WB[row] = plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4()
+            elif index in tree_of:
+                self.tree[row], root = tree_of[index]
+                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
+                X_WB = plant.EvalBodyPoseInWorld(context, body)
+                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
+            else:
+                self.tree[row] = len(single)
+                self.jointed[row] = index
+
+
+def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:
+    """Return (nv, nv) what joint damping and controllers add to the mass matrix over a step."""
+    own = np.zeros(plant.num_velocities())
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if joint.num_velocities():
+            start = joint.velocity_start()
+            own[start : start + joint.num_velocities()] += step * joint.default_damping_vector()
+    for i in range(plant.num_actuators()):
+        actuator = plant.get_joint_actuator(JointActuatorIndex(i))
+        if actuator.has_controller():
+            gains = actuator.get_controller_gains()
+            own[actuator.joint().velocity_start()] += step * gains.d + step**2 * gains.p
+    return np.diag(own)

@@ -1,0 +1,1 @@
+"""Taking pairs away from the built-in contact, and connecting force ports."""

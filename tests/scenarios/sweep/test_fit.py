@@ -1,0 +1,121 @@
+"""Fits: the true parameters lie within the intervals as often as these promise."""
+
+import numpy as np
+import pytest
+
+from contact_toolkit import NonlinearDamper
+from scenarios.format.errors import ScenarioError
+from scenarios.sweep.fit import FreeParameter, fit
+from scenarios.sweep.fit_file import fit_rollouts, load_fit, simulate
+
+
+def heights(alpha, first):
+    """The tops of a ball's bounces [m], by the closed form of the law's restitution."""
+    tops = [first]
+    for _ in range(8):
+        v = np.sqrt(2 * 9.81 * tops[-1])
+        e = NonlinearDamper(k=1e6, alpha=max(alpha, 0.0)).restitution(v)
+        tops.append(tops[-1] * float(e) ** 2)
+    return np.array(tops)
+
+
+def test_nine_of_ten_intervals_hold_the_true_parameters():
+    # Intervals that are too narrow make a calibration look surer than it is.
+    rng = np.random.default_rng(7)
+    free = {
+        "alpha": FreeParameter(start=0.3, lower=0.0, upper=2.0),
+        "first": FreeParameter(start=0.5, lower=0.0, upper=3.0, logarithmic=True),
+    }
+    held, widths = np.zeros(2), []
+    for _ in range(100):
+        truth = {"alpha": rng.uniform(0.1, 0.6), "first": rng.uniform(0.3, 1.0)}
+        measured = heights(**truth) + rng.normal(0.0, 0.002, 9)
+        found = fit(lambda values: heights(**values), measured, free)
+        assert found.converged
+        for index, (name, true) in enumerate(truth.items()):
+            estimate = found.estimates[name]
+            held[index] += estimate.lower <= true <= estimate.upper
+        widths.append(found.estimates["alpha"].upper - found.estimates["alpha"].lower)
+    assert (held >= 90).all(), held
+    assert (held <= 99).all(), held  # not because they are as wide as can be
+    assert np.median(widths) < 0.05
+
+
+def test_a_straight_line_has_the_intervals_of_the_textbook():
+    x = np.linspace(0.0, 1.0, 12)
+    y = 2.0 + 3.0 * x + np.random.default_rng(1).normal(0.0, 0.1, 12)
+    free = {"a": FreeParameter(start=1.0), "b": FreeParameter(start=1.0)}
+    found = fit(lambda v: v["a"] + v["b"] * x, y, free)
+    from scipy.stats import linregress, t
+
+    line = linregress(x, y)
+    b = found.estimates["b"]
+    assert b.value == pytest.approx(line.slope, rel=1e-6)
+    assert b.upper - b.value == pytest.approx(t.ppf(0.975, 10) * line.stderr, rel=1e-4)
+
+
+def test_what_the_series_do_not_tell_has_no_bounds():
+    # Of a product of two only the product can be found.
+    x = np.linspace(1.0, 2.0, 20)
+    y = 6.0 * x + np.random.default_rng(2).normal(0.0, 0.01, 20)
+    free = {"a": FreeParameter(start=2.0), "b": FreeParameter(start=2.5)}
+    found = fit(lambda v: v["a"] * v["b"] * x, y, free)
+    assert np.isinf(found.estimates["a"].upper)
+    product = found.estimates["a"].value * found.estimates["b"].value
+    assert product == pytest.approx(6.0, rel=0.01)
+
+
+def test_too_few_samples_are_told():
+    with pytest.raises(ScenarioError, match="2 samples cannot tell 2 parameters"):
+        fit(
+            lambda v: np.array([v["a"], v["b"]]),
+            np.ones(2),
+            {"a": FreeParameter(), "b": FreeParameter()},
+        )
+
+
+FIT = """
+bounce_fit:
+  scenario: bouncing_ball
+  settings: [simulation_duration=0.5, 'parts.ball.parameters={radius: 0.03, frequency: 6}',
+             simulator_config.accuracy=1.0e-4, record_period=0.002]
+  parameters:
+    alpha: {sets: [contact.alpha], start: 0.4, lower: 0.0, upper: 2.0, step: 0.01}
+  series:
+  - {file: heights.csv, time: t, columns: {ball.z: height}}
+"""
+
+
+def write(folder, text=FIT, csv="t,height\n0.0,0.14\n"):
+    (folder / "fit.yaml").write_text(text)
+    (folder / "heights.csv").write_text(csv)
+    return folder / "fit.yaml"
+
+
+def test_rollouts_give_back_the_damping_that_a_noisy_bounce_was_made_with(tmp_path):
+    times = np.linspace(0.0, 0.5, 60)
+    path = write(tmp_path, csv="t,height\n" + "".join(f"{t},0\n" for t in times))
+    _, wanted, base, samples = load_fit(path)
+    (clean,) = simulate(wanted, base, samples, {"alpha": 0.25})
+    noisy = clean + np.random.default_rng(3).normal(0.0, 0.0005, len(clean))
+    rows = "".join(f"{t},{z}\n" for t, z in zip(times, noisy, strict=True))
+    _, wanted, base, samples = load_fit(write(tmp_path, csv="t,height\n" + rows))
+    alpha = fit_rollouts(wanted, base, samples).estimates["alpha"]
+    assert alpha.lower < 0.25 < alpha.upper
+    assert alpha.upper - alpha.lower < 0.03
+
+
+@pytest.mark.parametrize(
+    ("change", "csv", "said"),
+    [
+        (("height}", "hight}"), None, "no column 'hight'; there are: t, height"),
+        (("start: 0.4", "start: 4"), None, "parameters.alpha.start must lie between"),
+        (("", ""), "t,height\n0,1\n0.1,high\n", "heights.csv:3: 'high' is not a finite number"),
+        (("", ""), "t,height\n0.1,1\n0.1,1\n", "times must increase"),
+        (("scenario: bouncing_ball", ""), None, "scenario is missing"),
+    ],
+)
+def test_mistakes_are_named_before_anything_is_simulated(tmp_path, change, csv, said):
+    path = write(tmp_path, FIT.replace(*change), csv or "t,height\n0.0,0.14\n")
+    with pytest.raises(ScenarioError, match=said):
+        load_fit(path)

@@ -1,0 +1,23 @@
+"""Dissipation of two materials, combined as Drake does."""
+
+import pytest
+
+from contact_toolkit import CollisionMesh
+from contact_toolkit.shapes import primitives
+from systems.contact_config import ContactLawConfig
+from systems.plant.pair_parameters import Side, make_contact_pair
+from systems.plant.proximity_material import ProximityMaterial
+from systems.plant.whole_bodies import WholeBody
+
+
+@pytest.mark.parametrize("soft_is_first", [True, False])
+def test_the_softer_side_lends_its_dissipation(soft_is_first):
+    """Weights that are swapped: the hard side's dissipation, which hardly deforms."""
+    mesh = CollisionMesh(*primitives.box([0.1, 0.1, 0.1]))
+    whole = WholeBody(diagonal=mesh.diagonal, weight=10.0)
+    soft = Side(0, mesh, ProximityMaterial(0.5, 0.5, 3.0, 1e6, 1e5), whole)
+    hard = Side(1, mesh, ProximityMaterial(0.5, 0.5, 0.6, 4e6, 1e5), whole)
+    sides = (soft, hard) if soft_is_first else (hard, soft)
+    pair = make_contact_pair(*sides, ContactLawConfig())
+    # d = E2 / (E1 + E2) d1 + E1 / (E1 + E2) d2
+    assert pair.damper.alpha == pytest.approx(2 / 3 * (4 * 3.0 + 1 * 0.6) / 5)
