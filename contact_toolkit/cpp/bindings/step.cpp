@@ -41,14 +41,17 @@ void Require(bool right, const std::string& message) {
 
 void RequireFinite(const double* values, std::size_t size, const char* name) {
   for (std::size_t i = 0; i < size; ++i) {
-    Require(std::isfinite(values[i]),
+    if (std::isfinite(values[i])) continue;
+    Require(false,
             std::string(name) + " holds " + std::to_string(values[i]) + " at " + std::to_string(i));
   }
 }
 
 std::span<const double> Vector(const Numbers& array, std::size_t size, const char* name) {
-  Require(array.shape(0) == size, std::string(name) + " must hold " + std::to_string(size) +
-                                      " numbers, not " + std::to_string(array.shape(0)));
+  if (array.shape(0) != size) {
+    Require(false, std::string(name) + " must hold " + std::to_string(size) + " numbers, not " +
+                       std::to_string(array.shape(0)));
+  }
   RequireFinite(array.data(), size, name);
   return {array.data(), size};
 }

@@ -203,7 +203,7 @@ void StepEquations::SetInertia(int index) {
 }
 
 void StepEquations::Evaluate(const std::vector<const StepIsland*>& islands,
-                             std::span<const double> v) {
+                             std::span<const double> v, Slopes slopes) {
   std::vector<int> active;
   for (const StepIsland* island : islands) {
     for (const int body : island->bodies) Place(body, v);
@@ -211,7 +211,7 @@ void StepEquations::Evaluate(const std::vector<const StepIsland*>& islands,
   }
   ParallelFor(static_cast<int>(active.size()), model_.threads(), [&](int i, int) {
     StepWork& work = works_[active[i]];
-    work.found.springs.slopes.wanted = true;
+    work.found.springs.slopes.wanted = slopes == Slopes::kFound;
     model_.FindPair(work.found.pair, X_FB_, &state_, &work.found);
     const std::size_t size = work.found.springs.size();
     work.stretches.resize(size);

@@ -16,6 +16,9 @@ struct StepIsland {
   std::vector<int> trees, works, bodies;
 };
 
+// Whether to find what Newton's matrix needs along with the forces.
+enum class Slopes { kLeftOut, kFound };
+
 // A pair that may touch, and what it does at the velocities last evaluated.
 struct StepWork {
   PairSprings found;
@@ -50,7 +53,8 @@ class StepEquations {
   double FreeChange(const StepIsland& island) const;
 
   // Sets poses and forces at velocities `v`, of these islands.
-  void Evaluate(const std::vector<const StepIsland*>& islands, std::span<const double> v);
+  void Evaluate(const std::vector<const StepIsland*>& islands, std::span<const double> v,
+                Slopes slopes);
 
   // Sets the residual r = A (v − v_free) − h f with the forces last evaluated; returns |r|².
   double SetResidual(const StepIsland& island, std::span<const double> v);
@@ -60,7 +64,7 @@ class StepEquations {
   // all that moves it; and a speed that counts as none.
   double ContactChange(const StepIsland& island);
 
-  // dr/dv where forces were last evaluated, at `v`: A + Σ J_relᵀ h (S P_rel + D J_rel) with P_rel
+  // dr/dv where forces were last evaluated, with slopes, at `v`: A + Σ J_relᵀ h (S P_rel + D J_rel) with P_rel
   // the displacement by the velocities. A block per tree.
   void Assemble(const StepIsland& island, std::span<const double> v, Symmetry symmetry,
                 BlockMatrix* matrix) const;

@@ -59,7 +59,8 @@ class StepSolver::Search {
     double length = 1;         // of the present trial, as a share of the Newton step
     bool symmetric = false;    // take the symmetric part of Newton's matrix
     bool stuck = false;        // neither matrix led any further
-    bool from_rest = false;    // began at the velocities of the last step
+    bool from_last = false;    // began at the velocities of the last step
+    bool still = false;        // moved so slowly in the last step that it began at none
     std::vector<double> best;  // velocities of the best start so far
     double best_merit = 0;
     int iterations = 0;
@@ -76,15 +77,22 @@ class StepSolver::Search {
   }
 
   // Each starts from the velocities of the last step where it was in contact then, else from those
-  // without contact.
+  // without contact. What hardly moved starts from a stand: the springs of a body at rest are so
+  // stiff that to go on for a step at the speed that it came to rest with overshoots.
   void Start(bool first) {
     islands_.clear();
     for (StepIsland& joined : equations_.MakeIslands()) {
       Island& island = islands_.emplace_back();
-      island.from_rest = first && equations_.WasInContact(joined);
+      island.from_last = first && equations_.WasInContact(joined);
       island.drive = equations_.FreeChange(joined);
       island.joined = std::move(joined);
-      if (island.from_rest) ForEachDof(island, [&](int dof) { v_[dof] = problem_.v0[dof]; });
+      if (!island.from_last) continue;
+      island.still = true;
+      ForEachDof(island, [&](int dof) {
+        v_[dof] = problem_.v0[dof];
+        island.still = island.still && std::abs(v_[dof]) < kStepStill;
+      });
+      if (island.still) ForEachDof(island, [&](int dof) { v_[dof] = 0; });
     }
   }
 
@@ -119,7 +127,7 @@ class StepSolver::Search {
       island->best = v_;
       island->best_merit = island->merit;
     }
-    const double other = island->from_rest ? 1 : 0;
+    const double other = island->from_last ? 1 : 0;
     const struct {
       double free, before;
     } parts[] = {{}, {other, 1 - other}, {0, 0}, {0.5, 0.5}};
@@ -136,12 +144,16 @@ class StepSolver::Search {
 
   // Newton's method, for the islands that are searching.
   void Iterate() {
-    EvaluateAtAccepted();
+    // What stands still mostly goes on standing still, and needs no slopes.
+    bool linear = !std::ranges::all_of(
+        islands_, [](const Island& i) { return i.still || i.phase == Phase::kDone; });
+    EvaluateAtAccepted(linear ? Slopes::kFound : Slopes::kLeftOut);
     for (int iteration = 0; iteration < kStepIterations; ++iteration) {
       for (Island& island : islands_) {
         if (island.phase == Phase::kSearching && Converged(island)) island.phase = Phase::kDone;
       }
       if (!AnySearching()) return;
+      if (!std::exchange(linear, true)) EvaluateAtAccepted();
       LookAhead();
       ParallelFor(static_cast<int>(islands_.size()), model_.threads(), [&](int i, int) {
         if (islands_[i].phase == Phase::kSearching) FindDirection(&islands_[i]);
@@ -161,18 +173,18 @@ class StepSolver::Search {
   }
 
   // Forces at the trial velocities, of the islands that are searching.
-  void Evaluate() {
+  void Evaluate(Slopes slopes = Slopes::kFound) {
     std::vector<const StepIsland*> searching;
     for (const Island& island : islands_) {
       if (island.phase == Phase::kSearching) searching.push_back(&island.joined);
     }
-    equations_.Evaluate(searching, trial_);
+    equations_.Evaluate(searching, trial_, slopes);
     ++solution_.evaluations;
   }
 
-  void EvaluateAtAccepted() {
+  void EvaluateAtAccepted(Slopes slopes = Slopes::kFound) {
     trial_ = v_;
-    Evaluate();
+    Evaluate(slopes);
     for (Island& island : islands_) {
       if (island.phase == Phase::kSearching) {
         island.merit = equations_.SetResidual(island.joined, v_);
