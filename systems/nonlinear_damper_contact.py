@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue, Value
-from pydrake.math import RigidTransform
-from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 from pydrake.systems.framework import (
     BasicVector,
     Context,
-    DependencyTicket,
     DiagramBuilder,
     InputPort,
     LeafSystem,
@@ -25,45 +20,19 @@ from pydrake.systems.framework import (
     State,
 )
 
-from contact_toolkit import ContactModel, ContactState, Forces
-from systems.body_motion import BodyMotion
-from systems.diagnostics.accepted_step import AcceptedStep
-from systems.diagnostics.contact_watch import ContactWatch, Reported
+from contact_toolkit import ContactModel
+from systems.diagnostics.contact_watch import ContactWatch
 from systems.diagnostics.initial_overlap import InitialOverlap
-from systems.diagnostics.step_watch import StepWatch
 from systems.plant.body_pair import BodyPair
-from systems.python_cache import holding, producer
-from systems.step.implicit_step import ImplicitStep, SolvedStep
+from systems.step.explicit_forces import ExplicitForces
+from systems.step.force_source import ForceSource
+from systems.step.implicit_forces import ImplicitForces
+from systems.step.implicit_step import ImplicitStep
+from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.planning import TakenPairs
 from systems.wiring.plant_inputs import PlantInputs
 
 Floats: TypeAlias = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class StepRecord:
-    """Of a discrete plant under implicit steps: contact as the last step found it, and that step.
-
-    Attributes
-    ----------
-    state
-        At the start of the step.
-    x
-        The plant's state there, as bytes.
-    inputs
-        What stood at its inputs.
-    step
-        The step; None before the first.
-    """
-
-    state: ContactState
-    x: bytes = b""
-    inputs: Mapping[str, object] = field(default_factory=dict)
-    step: SolvedStep | None = None
-
-    def __deepcopy__(self, memo: dict[int, object]) -> StepRecord:
-        """Return itself: immutable, so a context may copy it for free."""
-        return self
 
 
 class NonlinearDamperContact(LeafSystem):
@@ -184,32 +153,23 @@ class NonlinearDamperContact(LeafSystem):
         self._model = model
         self._bodies = tuple(bodies)
         self._taken_pairs = taken_pairs
-        self._motion = BodyMotion(plant, bodies, lists_only=lists_only)
-        self._no_state = np.zeros(plant.num_positions() + plant.num_velocities())
-        self._declare_inputs()
-        self._make_implicit = implicit
-        self._implicit: ImplicitStep | None = None
-        self._making = threading.Lock()
+        self._motion = MotionPorts(self, plant, bodies, lists_only=lists_only)
         self._inputs = PlantInputs(self, plant) if implicit else None
-        self._contact_state = self.DeclareAbstractState(
-            holding(StepRecord(model.initial_state()) if implicit else model.initial_state())
-        )
-        self._watch = ContactWatch(
+        watch = ContactWatch(
             plant, model, bodies, when_deep=when_deep, when_chattering=when_chattering
+        )
+        self._source: ForceSource = (
+            ImplicitForces(self, plant, model, self._motion, self._inputs, implicit, watch)
+            if implicit and self._inputs
+            else ExplicitForces(self, model, self._motion, watch)
         )
         self._overlap = InitialOverlap(
             plant, model, bodies, policy=initial_overlap, easing_time=easing_time
         )
-        self._step_watch = StepWatch()
-        self._reported = self.DeclareAbstractState(holding(Reported()))
-        self._declare_cache()
         self._declare_outputs(plant.num_velocities())
-        self._time_step = plant.time_step()
         self.DeclareInitializationUnrestrictedUpdateEvent(update=self._begin)
         if implicit:
-            self.DeclarePeriodicUnrestrictedUpdateEvent(
-                self._time_step, 0.0, self._advance_implicitly
-            )
+            self.DeclarePeriodicUnrestrictedUpdateEvent(plant.time_step(), 0.0, self._advance)
         else:
             self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
         if not max_step >= 0:
@@ -231,12 +191,12 @@ class NonlinearDamperContact(LeafSystem):
     @property
     def uses_state(self) -> bool:
         """Whether `state` must be connected, and `generalized_forces` carries forces."""
-        return self._motion.uses_state
+        return self._motion.bodies.uses_state
 
     @property
     def uses_lists(self) -> bool:
         """Whether the list inputs must be connected, and `spatial_forces` carries forces."""
-        return self._motion.uses_lists
+        return self._motion.bodies.uses_lists
 
     def force_between(self, context: Context, body_a: str, body_b: str) -> Floats:
         """Return what body b does to body a: (6,) torque about Ao [N m] and force [N], in W.
@@ -246,7 +206,7 @@ class NonlinearDamperContact(LeafSystem):
         """
         own = self.GetMyContextFromRoot(context)
         pair = BodyPair(self._model, body_a, body_b)
-        contacts = self._eval_forces(own).contacts
+        contacts = self._source.forces(own).contacts
         return pair.wrench(contacts, self.get_poses_output_port().Eval(own))
 
     def RestoreFilters(self, context: Context) -> None:
@@ -262,15 +222,15 @@ class NonlinearDamperContact(LeafSystem):
 
     def get_state_input_port(self) -> InputPort:
         """Return the port for the plant's `state`, positions then velocities."""
-        return self._state
+        return self._motion.state
 
     def get_body_poses_input_port(self) -> InputPort:
         """Return the port for the plant's `body_poses`."""
-        return self._body_poses
+        return self._motion.poses
 
     def get_body_spatial_velocities_input_port(self) -> InputPort:
         """Return the port for the plant's `body_spatial_velocities`."""
-        return self._body_velocities
+        return self._motion.velocities
 
     def get_generalized_forces_output_port(self) -> OutputPort:
         """Return the port of the generalized forces on floating bodies."""
@@ -307,7 +267,7 @@ class NonlinearDamperContact(LeafSystem):
     @property
     def implicit(self) -> bool:
         """Whether contact is solved with the step of a discrete plant."""
-        return self._make_implicit is not None
+        return self._inputs is not None
 
     def connect_plant_forces(self, builder: DiagramBuilder) -> None:
         """Tell the implicit step of the forces of others on the plant, before its own are added."""
@@ -327,51 +287,11 @@ class NonlinearDamperContact(LeafSystem):
         """Return the port of the energies stored and lost [J]."""
         return self.GetOutputPort("energies")
 
-    def _declare_inputs(self) -> None:
-        self._state = self.DeclareVectorInputPort("state", len(self._no_state))
-        self._body_poses = self.DeclareAbstractInputPort(
-            "body_poses", AbstractValue.Make([RigidTransform()])
-        )
-        self._body_velocities = self.DeclareAbstractInputPort(
-            "body_spatial_velocities", AbstractValue.Make([SpatialVelocity()])
-        )
-
-    def _declare_cache(self) -> None:
-        record = self.abstract_state_ticket(self._contact_state)
-        velocities = self.input_port_ticket(self._body_velocities.get_index())
-        if self._inputs is not None:
-            motion = self._pose_tickets() | {velocities, record, self.time_ticket()}
-            self._present = self.DeclareCacheEntry("present", producer(self._arrive), motion)
-            self._solved = self.DeclareCacheEntry(
-                "step",
-                producer(self._solve),
-                {self._present.ticket()} | motion | self._inputs.tickets(),
-            )
-            return
-        # The contact state makes springs faster to find, and tells which overlaps are eased out.
-        self._found = self.DeclareCacheEntry(
-            "loaded springs",
-            producer(self._find),
-            self._pose_tickets() | {self.abstract_state_ticket(self._contact_state)},
-        )
-        self._forces = self.DeclareCacheEntry(
-            "forces", producer(self._push), {self._found.ticket(), velocities, record}
-        )
-
-    def _pose_tickets(self) -> set[DependencyTicket]:
-        return {
-            self.input_port_ticket(port.get_index()) for port in (self._state, self._body_poses)
-        }
-
     def _declare_outputs(self, num_velocities: int) -> None:
-        forces = {(self._present if self.implicit else self._forces).ticket()}
-        step = {self._solved.ticket()} if self.implicit else forces
-        wrenches = 6 * len(self._bodies)
+        forces, applied = self._source.forces_tickets, self._source.applied_tickets
+        last = {self._source.record_ticket}
         self.DeclareVectorOutputPort(
-            "generalized_forces",
-            num_velocities,
-            self._output_generalized_forces,
-            step,
+            "generalized_forces", num_velocities, self._output_generalized_forces, applied
         )
         self.DeclareAbstractOutputPort(
             "spatial_forces",
@@ -381,174 +301,58 @@ class NonlinearDamperContact(LeafSystem):
         )
         self.DeclareAbstractOutputPort("contacts", Value[object], self._output_contacts, forces)
         self.DeclareAbstractOutputPort(
-            "poses", Value[object], self._output_poses, self._pose_tickets()
+            "poses", Value[object], self._output_poses, self._motion.pose_tickets
         )
-        self.DeclareVectorOutputPort("body_wrenches", wrenches, self._output_wrenches, forces)
+        self.DeclareVectorOutputPort(
+            "body_wrenches", 6 * len(self._bodies), self._output_wrenches, forces
+        )
         self.DeclareVectorOutputPort("powers", 2, self._output_powers, forces)
         self.DeclareVectorOutputPort(
             "energies", 5, self._output_energies, forces | {self.time_ticket()}
         )
-        last = {self.abstract_state_ticket(self._contact_state)}
         self.DeclareVectorOutputPort("step_mismatch", 1, self._output_mismatch, last)
         self.DeclareVectorOutputPort("step_statistics", 5, self._output_statistics, last)
 
-    def _read_motion(self, context: Context) -> tuple[Floats, Floats]:
-        """Return poses, and velocities without those of listed bodies."""
-        state = self._state.Eval(context) if self._motion.uses_state else self._no_state
-        X_WB, V_WB = self._motion.read_state(state)
-        if self._motion.uses_lists:
-            self._motion.fill_in_poses(X_WB, self._body_poses.Eval(context))
-        return X_WB, V_WB
-
-    def _find(self, context: Context, output: AbstractValue) -> None:
-        X_WB, V_WB = self._read_motion(context)
-        output.set_value((self._model.find(X_WB, self._eval_state(context)), V_WB))
-
-    def _push(self, context: Context, forces: AbstractValue) -> None:
-        found, V_WB = self._found.Eval(context)
-        if self._motion.uses_lists:
-            V_WB = V_WB.copy()
-            self._motion.fill_in_velocities(V_WB, self._body_velocities.Eval(context))
-        forces.set_value(self._model.forces(found, V_WB, self._eval_state(context)))
-
-    def _eval_state(self, context: Context) -> ContactState:
-        return context.get_abstract_state(self._contact_state).get_value()
-
-    def _eval_record(self, context: Context) -> StepRecord:
-        """Return the record of implicit steps, which holds the contact state."""
-        return context.get_abstract_state(self._contact_state).get_value()
-
-    def _eval_forces(self, context: Context) -> Forces:
-        if self.implicit:
-            return self._present.Eval(context)[1]
-        return self._forces.Eval(context)
-
-    def _eval_advanced_state(self, context: Context) -> ContactState:
-        """Return the contact state as it would be were the present the end of a step."""
-        if self.implicit:
-            return self._present.Eval(context)[0]
-        forces = self._eval_forces(context)
-        return self._model.advance(self._eval_state(context), context.get_time(), forces)
-
     def _begin(self, context: Context, state: State) -> None:
-        before = self._eval_record(context).state if self.implicit else self._eval_state(context)
-        X_WB, V_WB = self._read_motion(context)
-        if self._motion.uses_lists:
-            self._motion.fill_in_velocities(V_WB, self._body_velocities.Eval(context))
-        started = self._overlap.begin(
-            before, lambda: self._model.evaluate(X_WB, V_WB), context.get_time()
+        X_WB, V_WB = self._motion.read(context)
+        self._source.begin(
+            context,
+            state,
+            lambda before: self._overlap.begin(
+                before, lambda: self._model.evaluate(X_WB, V_WB), context.get_time()
+            ),
         )
-        if started is not before:
-            value = StepRecord(started) if self.implicit else started
-            state.get_mutable_abstract_state(self._contact_state).set_value(value)
 
     def _advance(self, context: Context, state: State) -> None:
-        before, advanced = self._eval_state(context), self._eval_advanced_state(context)
-        reported = self._watch.check(
-            context.get_abstract_state(self._reported).get_value(),
-            AcceptedStep(before, advanced, self._eval_forces(context)),
-            lambda: self._read_motion(context)[0],
-        )
-        state.get_mutable_abstract_state(self._reported).set_value(reported)
-        state.get_mutable_abstract_state(self._contact_state).set_value(advanced)
-
-    def _is_ahead(self, record: StepRecord, context: Context) -> bool:
-        """Whether the recorded step starts here, the plant not yet having taken it."""
-        if record.step is None:
-            return False
-        since = context.get_time() - record.step.solution.start_time
-        return abs(since) < self._time_step / 2 and record.x == self._state.Eval(context).tobytes()
-
-    def _arrive(self, context: Context, output: AbstractValue) -> None:
-        """Make the contact state and the forces at the end of the step that led here."""
-        record = self._eval_record(context)
-        if self._is_ahead(record, context):
-            output.set_value((record.state, record.state.forces))
-            return
-        X_WB, V_WB = self._read_motion(context)
-        if self._motion.uses_lists:
-            V_WB = V_WB.copy()
-            self._motion.fill_in_velocities(V_WB, self._body_velocities.Eval(context))
-        solution = record.step.solution if record.step else None
-        time = context.get_time()
-        if solution is not None and abs(time - solution.end_time) < self._time_step / 2:
-            forces = solution.forces
-            if not forces.are_at(X_WB, V_WB):
-                forces = self._model.evaluate(X_WB, V_WB, record.state)
-            state = self._model.advance_implicitly(record.state, solution.end_time, forces)
-        else:
-            forces = self._model.evaluate(X_WB, V_WB, record.state)
-            state = self._model.advance(record.state, time, forces)
-        output.set_value((state, forces))
-
-    def _solve(self, context: Context, output: AbstractValue) -> None:
-        record = self._eval_record(context)
-        assert self._inputs is not None
-        x, inputs = self._state.Eval(context), self._inputs.read(context)
-        if self._is_ahead(record, context) and _same(record.inputs, inputs):
-            output.set_value(record)
-            return
-        state, _ = self._present.Eval(context)
-        step = self._implicit_step().solve(context.get_time(), x, inputs, state)
-        output.set_value(StepRecord(state, x.tobytes(), inputs, step))
-
-    def _implicit_step(self) -> ImplicitStep:
-        with self._making:
-            if self._implicit is None:
-                assert self._make_implicit is not None
-                self._implicit = self._make_implicit()
-            return self._implicit
-
-    def _advance_implicitly(self, context: Context, state: State) -> None:
-        record: StepRecord = self._solved.Eval(context)
-        assert record.step is not None
-        before = context.get_abstract_state(self._reported).get_value()
-        reported = self._watch.check_depth(before, self._eval_forces(context))
-        reported = self._step_watch.check(reported, record.step)
-        if reported is not before:
-            state.get_mutable_abstract_state(self._reported).set_value(reported)
-        state.get_mutable_abstract_state(self._contact_state).set_value(record)
+        self._source.advance(context, state)
 
     def _output_generalized_forces(self, context: Context, output: BasicVector) -> None:
-        if self.implicit:
-            output.SetFromVector(self._solved.Eval(context).step.generalized_forces)
-            return
-        wrenches = self._eval_forces(context).body_wrenches
-        output.SetFromVector(self._motion.generalized_forces(wrenches))
+        output.SetFromVector(self._source.generalized_forces(context))
 
     def _output_spatial_forces(self, context: Context, output: AbstractValue) -> None:
-        wrenches = self._eval_forces(context).body_wrenches
-        output.set_value([] if self.implicit else self._motion.spatial_forces(wrenches))
+        output.set_value(self._source.spatial_forces(context))
 
     def _output_mismatch(self, context: Context, output: BasicVector) -> None:
-        step = self._eval_record(context).step if self.implicit else None
+        step = self._source.last_step(context)
         output.SetFromVector([step.mismatch if step else 0.0])
 
     def _output_statistics(self, context: Context, output: BasicVector) -> None:
-        step = self._eval_record(context).step if self.implicit else None
+        step = self._source.last_step(context)
         output.SetFromVector(step.statistics if step else np.zeros(5))
 
     def _output_contacts(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._eval_forces(context).contacts)
+        output.set_value(self._source.forces(context).contacts)
 
     def _output_poses(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._read_motion(context)[0])
+        output.set_value(self._motion.read_poses(context)[0])
 
     def _output_wrenches(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._eval_forces(context).body_wrenches.ravel())
+        output.SetFromVector(self._source.forces(context).body_wrenches.ravel())
 
     def _output_powers(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._eval_forces(context).powers)
+        output.SetFromVector(self._source.forces(context).powers)
 
     def _output_energies(self, context: Context, output: BasicVector) -> None:
-        stored = self._eval_forces(context).energies
-        state = self._eval_advanced_state(context)
+        stored = self._source.forces(context).energies
+        state = self._source.present_state(context)
         output.SetFromVector(np.concatenate([stored, state.losses, [state.numerical_loss]]))
-
-
-def _same(a: Mapping[str, object], b: Mapping[str, object]) -> bool:
-    """Whether two sets of input values are the same; lists of forces never are."""
-    return a.keys() == b.keys() and all(
-        isinstance(value, np.ndarray) and np.array_equal(value, np.asarray(b[name]))
-        for name, value in a.items()
-    )

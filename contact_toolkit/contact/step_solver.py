@@ -61,9 +61,10 @@ class StepSolver:
     ...     inertia_R=inertia, tree=[-1, 0], X_RB=np.tile(np.eye(4), (2, 1, 1)),
     ... )
     >>> q, v = np.array([1.0, 0, 0, 0, 0, 0, 0.1]), np.zeros(6)
-    >>> free = solver.free_motion(q, v, 0.001, np.array([0, 0, -9.81]))
-    >>> nothing = np.empty((0, 0)), np.empty((0, 6, 0)), np.zeros(6)
-    >>> solved = solver.solve(model.initial_state(), 0.0, 0.001, q, v, free, X_FB, *nothing)
+    >>> gravity = np.array([0, 0, -9.81])
+    >>> begin = model.initial_state()
+    >>> solved = solver.solve_under_gravity(begin, 0.0, 0.001, q, v, gravity, X_FB)
+    >>> free = solver.free_motion(q, v, 0.001, gravity)
     >>> (solved.v[5] / free[5]).round(3)  # 1/(1 + h² k A/m): the table holds it
     np.float64(0.091)
     """
@@ -142,3 +143,24 @@ class StepSolver:
         return self._native.solve(
             state, time, step, q0, v0, v_free, X_FB, inertia, jacobian, v_reference
         )
+
+    def solve_under_gravity(
+        self,
+        state: ContactState,
+        time: float,
+        step: float,
+        q0: Floats,
+        v0: Floats,
+        gravity: Floats,
+        X_FB: Floats,
+    ) -> StepSolution:
+        """Solve one step of floating bodies on which nothing but contact and gravity acts.
+
+        The same as `solve` with `free_motion`, in one call; gravity (3,) [m/s²].
+
+        Raises
+        ------
+        ValueError
+            Also for a system with trees that do not float.
+        """
+        return self._native.solve_under_gravity(state, time, step, q0, v0, gravity, X_FB)

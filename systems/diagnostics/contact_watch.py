@@ -127,10 +127,10 @@ class ContactWatch:
 
     def check_depth(self, reported: Reported, forces: Forces) -> Reported:
         """Warn of, or raise for, pairs that are deeper than their web can tell."""
-        status = forces.loaded.status
-        if not status.any():
+        loaded = forces.loaded
+        if loaded.nominal:
             return reported
-        pairs = forces.loaded.pairs
+        pairs, status = loaded.pairs, loaded.status
         seen = {
             (int(pairs[i]), bit)
             for i in np.flatnonzero(status)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ _RIGID = 1e-10
 _NOTHING = np.zeros((0, 0))
 
 
-@dataclass(frozen=True)
-class SolvedStep:
+class SolvedStep(NamedTuple):
     """A step of the plant under contact.
 
     Attributes
@@ -130,13 +129,10 @@ class ImplicitStep:
         """
         q, v = x[: self._nq], x[self._nq :]
         if self._gravity is not None and not inputs:
-            v_free = v.copy()
-            order = slice(None) if self._order is None else self._order
-            v_free[order] = self._solver.free_motion(q, v[order], self._step, self._gravity)
-            solution, aimed, forces = self._solve(
-                state, time, q, v, v_free, self._X_WB, _NOTHING, self._no_jacobian
+            solution = self._solver.solve_under_gravity(
+                state, time, self._step, q, v, self._gravity, self._X_WB
             )
-            return SolvedStep(solution, aimed, forces, 0.0, 1)
+            return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 1)
         twin = self._twin.at(q, v, inputs)
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
@@ -174,13 +170,13 @@ class ImplicitStep:
 
     def _known_gravity(self) -> Floats | None:
         """Return the gravity under which the native free motion is the plant's; None: it is not."""
+        if self._order is not None:
+            return None
         gravity = self._twin.plant.gravity_field().gravity_vector()
         x = self._twin.plant.GetPositionsAndVelocities(self._twin.default_context())
         q, v = x[: self._nq], np.linspace(0.5, 1.5, self._nv)
         expected = self._twin.at(q, v, {}).reached(np.zeros(self._nv))
-        found = np.empty_like(v)
-        order = np.arange(self._nv) if self._order is None else self._order
-        found[order] = self._solver.free_motion(q, v[order], self._step, gravity)
+        found = self._solver.free_motion(q, v, self._step, gravity)
         return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
 
     def _solve(

@@ -317,7 +317,7 @@ def test_the_plant_lands_where_contact_was_solved_for(case):
     nq = scene.plant.num_positions()
     for i in range(1, 121):
         scene.simulator.AdvanceTo(i * step - step / 4)
-        record = scene.contact._eval_state(scene.contact_context)
+        record = scene.contact._source._eval_record(scene.contact_context)
         reached = scene.plant.GetPositionsAndVelocities(scene.plant_context)[nq:]
         worst = max(worst, float(np.abs(reached - record.step.velocities).max()))
         touched |= len(record.step.solution.forces.loaded) > 0

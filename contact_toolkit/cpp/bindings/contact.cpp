@@ -3,6 +3,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -184,6 +185,8 @@ num_probed
     (m,) facet pairs within the standoff (facet web), nodes looked at (area web).
 status
     (m,) bits of `ContactStatus`.
+nominal
+    Whether all of these are zero.
 p_FBo
     (nb, 3) where the origins of all bodies are [m].
 )";
@@ -305,6 +308,12 @@ void BindLoadedSprings(nb::module_& m) {
                    [](const LoadedSprings& self) {
                      return PerPair<std::int64_t>(
                          self, [](const PairSprings& p) { return p.springs.num_measured; });
+                   })
+      .def_prop_ro("nominal",
+                   [](const LoadedSprings& self) {
+                     return std::all_of(
+                         self.pairs.begin(), self.pairs.begin() + self.size,
+                         [](const PairSprings& p) { return p.springs.status == kNominal; });
                    })
       .def_prop_ro("status",
                    [](const LoadedSprings& self) {

@@ -2,6 +2,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -85,6 +86,45 @@ StepTopology MakeTopology(int num_positions, int num_velocities, const std::vect
   return topology;
 }
 
+void RequireStateOf(const StepSolver& solver, const ContactState& state) {
+  if (state.model_id != 0 && state.model_id != solver.model().id()) {
+    throw nb::value_error("state must come from the solver's ContactModel, and comes from another");
+  }
+}
+
+// What every solve is given.
+struct Inputs {
+  StepProblem problem;
+  std::vector<Pose> poses;
+};
+
+void SetInputs(const StepSolver& self, double time, double step, const Numbers& q0,
+               const Numbers& v0, const PosesIn& X_FB, Inputs* inputs) {
+  const StepTopology& topology = self.topology();
+  Require(std::isfinite(time) && step > 0, "step must be a time [s] > 0, and time finite");
+  Require(X_FB.shape(0) == topology.bodies.size(), "X_FB must have one pose a body");
+  RequireFinite(X_FB.data(), X_FB.size(), "X_FB");
+  inputs->poses.reserve(topology.bodies.size());
+  for (std::size_t i = 0; i < topology.bodies.size(); ++i) {
+    inputs->poses.push_back(Pose::FromMatrix(X_FB.data() + 16 * i));
+  }
+  StepProblem& problem = inputs->problem;
+  problem.time = time;
+  problem.step = step;
+  problem.q0 = Vector(q0, topology.num_positions, "q0");
+  problem.v0 = Vector(v0, topology.num_velocities, "v0");
+  problem.X_FB = inputs->poses;
+}
+
+bool HasJoints(const StepTopology& topology) {
+  return std::ranges::any_of(topology.trees, [](const StepTree& tree) { return tree.q_start < 0; });
+}
+
+std::shared_ptr<const StepSolution> SolveAndShare(const StepSolver& self, const Inputs& inputs,
+                                                  const ContactState& state) {
+  return std::make_shared<const StepSolution>(self.Solve(inputs.problem, state));
+}
+
 std::shared_ptr<const StepSolution> Solve(const StepSolver& self, const ContactState& state,
                                           double time, double step, const Numbers& q0,
                                           const Numbers& v0, const Numbers& v_free,
@@ -92,27 +132,15 @@ std::shared_ptr<const StepSolution> Solve(const StepSolver& self, const ContactS
                                           const ArrayIn<double, Any, Any>& inertia,
                                           const ArrayIn<double, Any, Extent<6>, Any>& jacobian,
                                           const Numbers& v_reference) {
-  if (state.model_id != 0 && state.model_id != self.model().id()) {
-    throw nb::value_error("state must come from the solver's ContactModel, and comes from another");
-  }
+  RequireStateOf(self, state);
   const StepTopology& topology = self.topology();
   const std::size_t nv = topology.num_velocities, bodies = topology.bodies.size();
-  StepProblem problem;
-  problem.time = time;
-  problem.step = step;
-  Require(std::isfinite(time) && step > 0, "step must be a time [s] > 0, and time finite");
-  problem.q0 = Vector(q0, topology.num_positions, "q0");
-  problem.v0 = Vector(v0, nv, "v0");
+  Inputs inputs;
+  SetInputs(self, time, step, q0, v0, X_FB, &inputs);
+  StepProblem& problem = inputs.problem;
   problem.v_free = Vector(v_free, nv, "v_free");
   problem.v_reference = Vector(v_reference, nv, "v_reference");
-  Require(X_FB.shape(0) == bodies, "X_FB must have one pose a body");
-  RequireFinite(X_FB.data(), X_FB.size(), "X_FB");
-  std::vector<Pose> poses;
-  for (std::size_t i = 0; i < bodies; ++i) poses.push_back(Pose::FromMatrix(X_FB.data() + 16 * i));
-  problem.X_FB = poses;
-  bool jointed = false;
-  for (const StepTree& tree : topology.trees) jointed |= tree.q_start < 0;
-  if (jointed) {
+  if (HasJoints(topology)) {
     Require(inertia.shape(0) == nv && inertia.shape(1) == nv, "inertia must be (nv, nv)");
     Require(jacobian.shape(0) == bodies && jacobian.shape(2) == nv, "jacobian must be (nb, 6, nv)");
     RequireFinite(inertia.data(), inertia.size(), "inertia");
@@ -121,7 +149,26 @@ std::shared_ptr<const StepSolution> Solve(const StepSolver& self, const ContactS
     problem.jacobian = {jacobian.data(), jacobian.size()};
   }
   const nb::gil_scoped_release release;
-  return std::make_shared<const StepSolution>(self.Solve(problem, state));
+  return SolveAndShare(self, inputs, state);
+}
+
+std::shared_ptr<const StepSolution> SolveUnderGravity(const StepSolver& self,
+                                                      const ContactState& state, double time,
+                                                      double step, const Numbers& q0,
+                                                      const Numbers& v0,
+                                                      const ArrayIn<double, Extent<3>>& gravity,
+                                                      const PosesIn& X_FB) {
+  RequireStateOf(self, state);
+  Require(!HasJoints(self.topology()), "what moves under gravity alone has no joints");
+  Inputs inputs;
+  SetInputs(self, time, step, q0, v0, X_FB, &inputs);
+  StepProblem& problem = inputs.problem;
+  const nb::gil_scoped_release release;
+  const std::vector<double> v_free =
+      self.FreeMotion(problem.q0, problem.v0, step, {gravity(0), gravity(1), gravity(2)});
+  problem.v_free = v_free;
+  problem.v_reference = problem.v0;
+  return SolveAndShare(self, inputs, state);
 }
 
 }  // namespace
@@ -176,7 +223,9 @@ void BindStep(nb::module_& m) {
           nb::arg("q0"), nb::arg("v0"), nb::arg("step"), nb::arg("gravity"))
       .def("solve", &Solve, nb::arg("state"), nb::arg("time"), nb::arg("step"), nb::arg("q0"),
            nb::arg("v0"), nb::arg("v_free"), nb::arg("X_FB"), nb::arg("inertia"),
-           nb::arg("jacobian"), nb::arg("v_reference"));
+           nb::arg("jacobian"), nb::arg("v_reference"))
+      .def("solve_under_gravity", &SolveUnderGravity, nb::arg("state"), nb::arg("time"),
+           nb::arg("step"), nb::arg("q0"), nb::arg("v0"), nb::arg("gravity"), nb::arg("X_FB"));
 }
 
 }  // namespace contact_toolkit

@@ -1,0 +1,194 @@
+"""ImplicitForces: contact forces of a discrete plant, solved with its steps."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common.value import AbstractValue
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.systems.framework import Context, LeafSystem, State
+
+from contact_toolkit import ContactModel, ContactState, Forces
+from systems.diagnostics.contact_watch import ContactWatch, Reported
+from systems.diagnostics.step_watch import StepWatch
+from systems.python_cache import holding, producer
+from systems.step.force_source import ForceSource
+from systems.step.implicit_step import ImplicitStep, SolvedStep
+from systems.wiring.motion_ports import MotionPorts
+from systems.wiring.plant_inputs import PlantInputs
+
+Floats = NDArray[np.float64]
+
+
+class StepRecord(NamedTuple):
+    """Contact as the last step found it, and that step.
+
+    Attributes
+    ----------
+    state
+        At the start of the step.
+    x
+        The plant's state there, as bytes.
+    inputs
+        What stood at its inputs.
+    step
+        The step; None before the first.
+    reported
+        What has been warned about.
+    """
+
+    state: ContactState
+    x: bytes
+    inputs: Mapping[str, object]
+    step: SolvedStep | None
+    reported: Reported
+
+    def __deepcopy__(self, memo: dict[int, object]) -> StepRecord:
+        """Return itself: immutable, so a context may copy it for free."""
+        return self
+
+
+class ImplicitForces(ForceSource):
+    """Puts out, at the start of a step, the forces at its end.
+
+    Parameters
+    ----------
+    system
+        Holds state and cache.
+    plant
+        Finalized and discrete.
+    model
+        The contact model.
+    motion, inputs
+        The system's ports with the motion of the bodies, and with the plant's inputs.
+    make_step
+        Makes the implicit step, when the first is due.
+    watch
+        Warns.
+    """
+
+    def __init__(
+        self,
+        system: LeafSystem,
+        plant: MultibodyPlant,
+        model: ContactModel,
+        motion: MotionPorts,
+        inputs: PlantInputs,
+        make_step: Callable[[], ImplicitStep],
+        watch: ContactWatch,
+    ) -> None:
+        self._model, self._motion, self._inputs = model, motion, inputs
+        self._make_step, self._step = make_step, None
+        self._making = threading.Lock()
+        self._watch, self._step_watch = watch, StepWatch()
+        self._half_step = plant.time_step() / 2
+        self._record = system.DeclareAbstractState(
+            holding(StepRecord(model.initial_state(), b"", {}, None, Reported()))
+        )
+        self.record_ticket = system.abstract_state_ticket(self._record)
+        present = motion.pose_tickets | {
+            motion.velocity_ticket,
+            self.record_ticket,
+            system.time_ticket(),
+        }
+        self._present = system.DeclareCacheEntry("present", producer(self._arrive), present)
+        self._solved = system.DeclareCacheEntry(
+            "step", producer(self._solve), present | {self._present.ticket()} | inputs.tickets()
+        )
+        self.forces_tickets = {self._present.ticket()}
+        self.applied_tickets = {self._solved.ticket()}
+
+    def _eval_record(self, context: Context) -> StepRecord:
+        return context.get_abstract_state(self._record).get_value()
+
+    def _is_ahead(self, record: StepRecord, context: Context, time: float) -> bool:
+        """Whether the recorded step starts here, the plant not yet having taken it."""
+        return (
+            record.step is not None
+            and abs(time - record.step.solution.start_time) < self._half_step
+            and record.x == self._motion.state.Eval(context).tobytes()
+        )
+
+    def _arrive(self, context: Context, output: AbstractValue) -> None:
+        """Make the contact state and the forces at the end of the step that led here."""
+        record, time = self._eval_record(context), context.get_time()
+        if self._is_ahead(record, context, time):
+            output.set_value((record.state, record.state.forces))
+            return
+        X_WB, V_WB = self._motion.read(context)
+        solution = record.step.solution if record.step else None
+        if solution is not None and abs(time - solution.end_time) < self._half_step:
+            forces = solution.forces
+            if not forces.are_at(X_WB, V_WB):
+                forces = self._model.evaluate(X_WB, V_WB, record.state)
+            state = self._model.advance_implicitly(record.state, solution.end_time, forces)
+        else:
+            forces = self._model.evaluate(X_WB, V_WB, record.state)
+            state = self._model.advance(record.state, time, forces)
+        output.set_value((state, forces))
+
+    def _solve(self, context: Context, output: AbstractValue) -> None:
+        record, time = self._eval_record(context), context.get_time()
+        inputs = self._inputs.read(context)
+        if self._is_ahead(record, context, time) and _same(record.inputs, inputs):
+            output.set_value(record)
+            return
+        state, _ = self._present.Eval(context)
+        x = self._motion.state.Eval(context)
+        step = self._implicit_step().solve(time, x, inputs, state)
+        output.set_value(StepRecord(state, x.tobytes(), inputs, step, record.reported))
+
+    def _implicit_step(self) -> ImplicitStep:
+        if self._step is None:
+            with self._making:
+                if self._step is None:
+                    self._step = self._make_step()
+        return self._step
+
+    def forces(self, context: Context) -> Forces:
+        return self._present.Eval(context)[1]
+
+    def present_state(self, context: Context) -> ContactState:
+        return self._present.Eval(context)[0]
+
+    def generalized_forces(self, context: Context) -> Floats:
+        return self._solved.Eval(context).step.generalized_forces
+
+    def spatial_forces(self, context: Context) -> list[ExternallyAppliedSpatialForce]:
+        del context
+        return []  # all are in the generalized ones
+
+    def last_step(self, context: Context) -> SolvedStep | None:
+        return self._eval_record(context).step
+
+    def begin(
+        self, context: Context, state: State, start: Callable[[ContactState], ContactState]
+    ) -> None:
+        record = self._eval_record(context)
+        started = start(record.state)
+        if started is not record.state:
+            self._write(state, StepRecord(started, b"", {}, None, record.reported))
+
+    def advance(self, context: Context, state: State) -> None:
+        record: StepRecord = self._solved.Eval(context)
+        assert record.step is not None
+        reported = self._watch.check_depth(record.reported, self.forces(context))
+        reported = self._step_watch.check(reported, record.step)
+        if reported is not record.reported:
+            record = record._replace(reported=reported)
+        self._write(state, record)
+
+    def _write(self, state: State, record: StepRecord) -> None:
+        state.get_mutable_abstract_state(self._record).set_value(record)
+
+
+def _same(a: Mapping[str, object], b: Mapping[str, object]) -> bool:
+    """Whether two sets of input values are the same; lists of forces never are."""
+    return a.keys() == b.keys() and all(
+        isinstance(value, np.ndarray) and np.array_equal(value, np.asarray(b[name]))
+        for name, value in a.items()
+    )
