@@ -139,7 +139,10 @@ class ImplicitForces(ForceSource):
             return
         state, _ = self._present.Eval(context)
         x = self._motion.state.Eval(context)
-        step = self._implicit_step().solve(time, x, inputs, state)
+        last = record.step
+        if last is not None and abs(time - last.solution.end_time) >= self._half_step:
+            last = None
+        step = self._implicit_step().solve(time, x, inputs, state, last)
         output.set_value(StepRecord(state, x.tobytes(), inputs, step, record.reported))
 
     def _implicit_step(self) -> ImplicitStep:

@@ -42,6 +42,9 @@ class SolvedStep(NamedTuple):
         contact was solved for.
     rounds
         Solves it took contact and the plant's limits and constraints to agree.
+    stiffening
+        What the plant's limits and constraints were found to add to A, on the velocities that are
+        not those of floating bodies; None where they add nothing. Good to begin the next step with.
     """
 
     solution: StepSolution
@@ -49,6 +52,7 @@ class SolvedStep(NamedTuple):
     generalized_forces: Floats
     mismatch: float
     rounds: int
+    stiffening: Floats | None = None
 
     @property
     def statistics(self) -> Floats:
@@ -116,7 +120,12 @@ class ImplicitStep:
         self._gravity = self._known_gravity() if self._affine else None
 
     def solve(
-        self, time: float, x: Floats, inputs: Mapping[str, object], state: ContactState
+        self,
+        time: float,
+        x: Floats,
+        inputs: Mapping[str, object],
+        state: ContactState,
+        last: SolvedStep | None = None,
     ) -> SolvedStep:
         """Solve the step from state x (nq + nv) at `time` [s].
 
@@ -126,6 +135,8 @@ class ImplicitStep:
             Values at the plant's other input ports, by name.
         state
             Of contact, at the start of the step.
+        last
+            The step before, if there was one.
         """
         q, v = x[: self._nq], x[self._nq :]
         if self._gravity is not None and not inputs:
@@ -137,7 +148,10 @@ class ImplicitStep:
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
         v_free = twin.reached(outer)
-        inertia = _NOTHING if self._floats else twin.mass_matrix() + self._own
+        inertia = own = _NOTHING if self._floats else twin.mass_matrix() + self._own
+        stiffening = last.stiffening if last else None
+        if stiffening is not None:
+            inertia = own + stiffening
         X_WB, jacobian = self._X_WB, self._no_jacobian
         if self._jointed:
             X_WB, jacobian = X_WB.copy(), np.zeros_like(jacobian)
@@ -158,7 +172,8 @@ class ImplicitStep:
                 break
             before = mismatch
             if not self._floats:
-                inertia = self._response(twin, outer + forces, reached, inertia)
+                inertia = self._response(twin, outer + forces, reached, own)
+                stiffening = inertia - own
                 response = np.zeros(self._nv)
                 dofs = self._dofs
                 block = inertia[np.ix_(dofs, dofs)]
@@ -166,7 +181,7 @@ class ImplicitStep:
                 v_plain = reached - response
                 floating = np.setdiff1d(np.arange(self._nv), dofs)
                 v_plain[floating] = v_free[floating]
-        return SolvedStep(solution, aimed, forces, mismatch, round_)
+        return SolvedStep(solution, aimed, forces, mismatch, round_, stiffening)
 
     def _known_gravity(self) -> Floats | None:
         """Return the gravity under which the native free motion is the plant's; None: it is not."""

@@ -156,6 +156,11 @@ inline constexpr double kCandidateSlack = 0.25;
 // [-] Share of the node spacing by which a body may move while the area web relies on what it
 // remembers, for the same reason.
 inline constexpr double kAreaSlack = 0.125;
+// [-] For what moves little it is so many times the way moved in a step, yet at least this fraction
+// of the spacing; what was gathered with a slack much larger than that is gathered anew.
+inline constexpr double kSlackSteps = 32;
+inline constexpr double kLeastAreaSlack = 0.008;
+inline constexpr double kMuchSlack = 8;
 
 // [-] A step that loses less than this fraction of the energy stored and lost so far is summed up
 // from its ends alone: a body at rest costs nothing more.

@@ -33,7 +33,7 @@ struct AreaCandidates {
     // kSmallest: it has no parts; kOpen: whether it is flat depends on the pose, its parts follow;
     // kDeeper: its parts are a part of their own, heard only where this is.
     std::int32_t ground;
-    float clearance;              // [m] the least of its corners
+    float clearance;              // [m] the least of its corners, or of its parts that follow
     double area;                  // [m²]
     std::array<double, 3> share;  // [m²] of the surface, what falls to each corner
     std::int32_t deeper = -1;     // of kDeeper: that part's number

@@ -94,6 +94,10 @@ class AreaWeb::Loader {
   void LoadPart(std::int32_t first, std::int32_t last) {
     for (std::int32_t i = first; i < last;) {
       const AreaCandidates::Triangle& triangle = candidates_.triangles[i];
+      if (triangle.clearance > motion_) {
+        i = triangle.last;
+        continue;
+      }
       std::int32_t ground = triangle.ground;
       if (ground == AreaCandidates::kOpen) ground = GroundUnder(triangle);
       if (ground >= 0) {

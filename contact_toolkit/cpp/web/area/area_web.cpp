@@ -227,6 +227,34 @@ std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, d
   return clear > needed + std::abs(over) + radius + way ? side : -1;
 }
 
+namespace {
+
+// Of the triangles, by their corners; of those whose parts follow, by these. What has parts that
+// are a part of their own may bear load in any case.
+void SetClearances(AreaCandidates* candidates) {
+  std::vector<AreaCandidates::Triangle>& triangles = candidates->triangles;
+  for (std::size_t i = triangles.size(); i-- > 0;) {
+    AreaCandidates::Triangle& triangle = triangles[i];
+    if (triangle.ground != AreaCandidates::kSmallest && triangle.ground != AreaCandidates::kOpen) {
+      continue;
+    }
+    triangle.clearance = std::numeric_limits<float>::infinity();
+    const auto take = [&](float clearance) {
+      triangle.clearance = std::min(triangle.clearance, clearance);
+    };
+    if (triangle.ground == AreaCandidates::kSmallest) {
+      for (const std::int32_t node : triangle.node) take(candidates->nodes[node].clearance);
+    } else {
+      for (std::size_t part = i + 1; part < static_cast<std::size_t>(triangle.last);
+           part = triangles[part].last) {
+        take(triangles[part].clearance);
+      }
+    }
+  }
+}
+
+}  // namespace
+
 // `way(p, radius)`: how far the points of a ball may yet move; nowhere at one pose.
 template <typename Probe, typename Way>
 void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
@@ -313,17 +341,21 @@ std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, con
                                                    std::shared_ptr<const WebMemory> before) const {
   if (springs.size() == 0) return nullptr;
   const Pose last_X_PS = PoseOfSampled(last_X_AB), X_PS = PoseOfSampled(X_AB);
+  // Little is gathered for what moves little.
+  const auto slack_for = [this](double moved) {
+    return std::clamp(kSlackSteps * moved, kLeastAreaSlack * spacing_, kAreaSlack * spacing_);
+  };
   if (const auto* kept = static_cast<const AreaMemory*>(before.get())) {
-    if (kept->Motion(X_PS) + MotionAround(kept->around, last_X_PS, X_PS) <= kept->slack) {
-      return before;
-    }
+    const double moved = MotionAround(kept->around, last_X_PS, X_PS);
+    const bool serves = kept->Motion(X_PS) + moved <= kept->slack;
+    if (serves && kept->slack <= kMuchSlack * slack_for(moved)) return before;
   }
   Sphere around = SphereAround(springs.p_AC.data(), springs.size());
   if (!samples_a_) around.center = Inverse(X_AB) * around.center;
   around.radius = std::max(around.radius, spacing_);
-  const double slack = kAreaSlack * spacing_;
+  const double moved = MotionAround(around, last_X_PS, X_PS), slack = slack_for(moved);
   // Gathering must serve at least one more step such as the last.
-  if (!(2 * MotionAround(around, last_X_PS, X_PS) <= slack)) return nullptr;
+  if (!(2 * moved <= slack)) return nullptr;
   auto memory = std::make_shared<AreaMemory>();
   memory->X_PS = X_PS;
   memory->around = around;
@@ -343,13 +375,7 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
     const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff - most_bulge_;
     node.clearance = RoundedDown(above / Probe::kSteepest);
   }
-  for (AreaCandidates::Triangle& triangle : candidates.triangles) {
-    if (triangle.ground != AreaCandidates::kSmallest) continue;
-    triangle.clearance = std::numeric_limits<float>::infinity();
-    for (const std::int32_t i : triangle.node) {
-      triangle.clearance = std::min(triangle.clearance, candidates.nodes[i].clearance);
-    }
-  }
+  SetClearances(&candidates);
   memory->Prune();
   if (smooth_ || surface_->primitive()) return;
   for (const AreaCandidates::Node& node : candidates.nodes) {
