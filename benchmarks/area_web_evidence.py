@@ -29,8 +29,9 @@ DEPTHS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0]) * 1e-3
 HEADING = """# The area web's properties, measured
 
 Made by `python -m benchmarks.area_web_evidence --out benchmarks/AREA_WEB.md`; the experiments are
-those of `tests/test_area_web.py`. Beside the built engine stand the figures of the prototype that
-chose this formulation. Forces are relative to the closed form unless something else is said.
+those of `tests/contact/test_area_web.py`. Beside the built engine stand the figures of the
+prototype that chose this formulation. Forces are relative to the closed form unless
+something else is said.
 
 """
 

@@ -166,8 +166,13 @@ def compare(
     overrides: Overrides = None,
 ) -> None:
     """Run a scenario under ours, Drake's and (if installed) MuJoCo's contact, side by side."""
+    from scenarios.compare.compare import (
+        absent_engines,
+        comparison_markdown,
+        comparison_table,
+        engines,
+    )
     from scenarios.compare.compare import compare as compare_engines
-    from scenarios.compare.compare import comparison_markdown, comparison_table, engines
     from scenarios.format.loading import load
     from scenarios.report.report import between_marks
 
@@ -177,9 +182,8 @@ def compare(
             between_marks(table, name)
         for wanted in engine or ():
             if wanted not in engines():
-                raise ScenarioError(
-                    f"no engine is called '{wanted}' here; there are: {'; '.join(engines())}"
-                )
+                there = "; ".join([*engines(), *absent_engines()])
+                raise ScenarioError(f"no engine is called '{wanted}' here; there are: {there}")
         folder = out or Path("runs") / f"{name}-compared"
         with console.status(name) as status, _mistakes_in(name_or_file):
             outcomes, kept = compare_engines(
@@ -197,6 +201,8 @@ def compare(
             table.write_text(before + results + after, encoding="utf-8")
         for missing, why in scenario.cannot.items():
             console.print(Text(f"{missing}: {why}"), soft_wrap=True)
+        for told in absent_engines():
+            console.print(Text(told), soft_wrap=True)
         _tell("comparison", kept / "comparison.html")
 
 

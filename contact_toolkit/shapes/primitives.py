@@ -78,12 +78,23 @@ class Primitive:
                 return half_space(*self.size)
 
 
-def box(size: Sequence[float]) -> Triangles:
-    """Return the 12 facets of an axis-aligned box of edge lengths `size` [m], centred."""
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    faces = [facet for a, b, c, d in quads for facet in ((a, b, c), (a, c, d))]
-    return corners * np.asarray(size, dtype=float) / 2, np.array(faces, dtype=np.int32)
+def box(size: Sequence[float], divisions: int = 1) -> Triangles:
+    """Return an axis-aligned box of edge lengths `size` [m], centred.
+
+    Each side is cut in `divisions` × `divisions` cells of two facets.
+    """
+    n = divisions
+    v, u = np.mgrid[: n + 1, : n + 1]
+    sides = [  # lattice points of the -x and +x side; the other axes follow by cyclic exchange
+        np.roll(np.stack(side, axis=-1), axis, axis=-1)
+        for axis in range(3)
+        for side in ((0 * u, v, u), (0 * u + n, u, v))
+    ]
+    lattice, index = np.unique(np.reshape(sides, (-1, 3)), axis=0, return_inverse=True)
+    ids = index.reshape(6, n + 1, n + 1)
+    low, right, high, left = ids[:, :-1, :-1], ids[:, :-1, 1:], ids[:, 1:, 1:], ids[:, 1:, :-1]
+    faces = np.stack([low, right, high, low, high, left], axis=-1).reshape(-1, 3)
+    return (lattice / n - 0.5) * np.asarray(size, dtype=float), faces.astype(np.int32)
 
 
 def half_space(reach: float) -> Triangles:
@@ -146,7 +157,12 @@ def cylinder(radius: float, length: float, tolerance: float) -> Triangles:
 def capsule(radius: float, length: float, tolerance: float) -> Triangles:
     """Return a cylinder about z of `length` [m] between half spheres of `radius` [m], centred."""
     segments = _segments(tolerance)
-    polar = np.linspace(0, np.pi / 2, math.ceil(segments / 4) + 1)
+    return capsule_of_rings(radius, length, segments, segments // 4)
+
+
+def capsule_of_rings(radius: float, length: float, segments: int, rings: int) -> Triangles:
+    """Return the same with `segments` facets around, and `rings` along each half sphere."""
+    polar = np.linspace(0, np.pi / 2, rings + 1)
     rise, reach = radius * np.sin(polar), radius * np.cos(polar)
     reach[-1] = 0
     z = np.concatenate([-length / 2 - rise[::-1], length / 2 + rise])

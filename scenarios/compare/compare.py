@@ -41,6 +41,13 @@ def engines() -> Mapping[str, Callable[[Scenario], Outcome]]:
     return found
 
 
+def absent_engines() -> list[str]:
+    """Return what would bring further engines, a line each."""
+    if "MuJoCo" in engines():
+        return []
+    return ["MuJoCo is not installed: pip install 'contact-toolkit[compare]'"]
+
+
 def compare(
     name: str,
     scenario: Scenario,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenarios.parts.surface import Surface, polygon, prism, require, revolve, strips
+from contact_toolkit.shapes import primitives
+from scenarios.parts.surface import Surface, polygon, prism, require, revolve
 
 
 def box(
@@ -16,19 +17,7 @@ def box(
     """
     require(min(size_x, size_y, size_z) > 0.0, "sizes must be positive")
     require(divisions >= 1, f"divisions must be at least 1, not {divisions}")
-    u, v = np.meshgrid(np.arange(divisions + 1), np.arange(divisions + 1))
-    w = np.full_like(u, divisions)
-    corner = divisions - u
-    sides = [  # lattice points of the +z and -z face; the other axes follow by cyclic exchange
-        np.roll(np.stack(face, axis=-1), axis, axis=-1)
-        for axis in range(3)
-        for face in ((u, v, w), (corner, v, 0 * w))
-    ]
-    lattice = np.stack(sides).reshape(-1, 3)
-    points, index = np.unique(lattice, axis=0, return_inverse=True)
-    ids = index.reshape(6, divisions + 1, divisions + 1).astype(np.int32)
-    vertices = (points / divisions - 0.5) * [size_x, size_y, size_z]
-    return vertices, np.concatenate([strips(side) for side in ids])
+    return primitives.box((size_x, size_y, size_z), divisions)
 
 
 def doughnut(
@@ -80,10 +69,8 @@ def capsule(
     """
     require(min(length, radius) > 0.0, "length and radius must be positive")
     require(cap_rings >= 1, f"cap_rings must be at least 1, not {cap_rings}")
-    angle = np.linspace(0.0, np.pi / 2, cap_rings + 1)
-    cap = radius * np.column_stack([np.cos(angle), np.sin(angle)]) + [0.0, length / 2]
-    cap[-1, 0] = 0.0
-    return revolve(np.concatenate([cap[::-1] * [1.0, -1.0], cap]), sections)
+    require(sections >= 3, f"a closed ring needs at least 3 sections, not {sections}")
+    return primitives.capsule_of_rings(radius, length, sections, cap_rings)
 
 
 def l_bracket(

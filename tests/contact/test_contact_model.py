@@ -435,14 +435,17 @@ def test_what_another_model_made_is_refused():
     stepped = other.advance(other.initial_state(), 0.1, foreign_forces)
     with pytest.raises(ValueError, match="loaded springs must come from this ContactModel"):
         model.forces(foreign, V_FB)
-    with pytest.raises(ValueError, match="forces must come from this ContactModel"):
-        model.advance(start, 0.1, foreign_forces)
+    for advance in (model.advance, model.advance_implicitly):
+        with pytest.raises(ValueError, match="forces must come from this ContactModel"):
+            advance(start, 0.1, foreign_forces)
     for use in (
         lambda: model.find(X_FB, stepped),
         lambda: model.forces(springs, V_FB, stepped),
         lambda: model.evaluate(X_FB, V_FB, stepped),
+        lambda: model.linearize(X_FB, V_FB, stepped),
         lambda: model.coast(stepped, 1e-3),
         lambda: model.advance(stepped, 0.2, forces),
+        lambda: model.advance_implicitly(stepped, 0.2, forces),
     ):
         with pytest.raises(ValueError, match="state must come from this ContactModel"):
             use()

@@ -160,6 +160,7 @@ def test_solids_within_solids_collide():
         inside = found.kind == COLLIDING
         assert (found.distance[inside] == 0).all()
         assert (found.p_FCa[inside] == found.p_FCb[inside]).all()
+        assert (np.abs(found.p_FCa[inside]) <= 0.5).all()  # of two parts, the one that is inside
     model = CSpaceModel.from_shapes({"A": large, "B": small})
     moves = _planar(np.array([-0.1, 0.1, 2.0]), np.zeros(3))
     assert classify_motions(model, moves).kind.tolist() == [COLLIDING, COLLIDING]

@@ -102,6 +102,12 @@ def test_steps_that_get_nowhere_while_torque_leaps(phase, leap, reported_at):
     assert run_chatter([phase / 1000] * 2500, (1.0, 1.0 - leap)) == reported_at
 
 
+@pytest.mark.parametrize(("torque", "reported_at"), [(2e-8, 2000), (5e-9, 0)])
+def test_torque_that_is_rounding_does_not_leap(torque, reported_at):
+    """Under 1 N on a geometry of 1 m, a millionth of a newton metre counts as the least torque."""
+    assert run_chatter([9e-5] * 2500, (torque, 0.0)) == reported_at
+
+
 def bounce(ledger: Ledger, off: float) -> tuple[Ledger, list[str]]:
     """Store 1 J in a step whose balance is off by `off`, and give it back; return the warnings."""
     resolution = StepResolution(MODEL, frequency(100.0), gravity=0.0)
