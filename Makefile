@@ -15,7 +15,7 @@ NATIVE := CMakeLists.txt $(shell find contact_toolkit/cpp -name '*.cpp' -o -name
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help build demo test test-slow bench docs lint format types debug clang plain arm sanitize tsan \
+.PHONY: help build demo test test-slow bench bench-steps docs lint format types debug clang plain arm sanitize tsan \
         wheel wheels wheel-test clean distclean check-python
 
 help:  ## show this list
@@ -76,6 +76,10 @@ test-slow: build  ## run the slow tests
 
 bench: build $(VENV)/.extra-bench  ## measure against the yardsticks
 	$(BIN)/python -m benchmarks --out benchmarks $(ARGS)
+
+bench-steps: build $(VENV)/.extra-models  ## measure discrete plants beside Drake's own contact, and springs a case
+	$(BIN)/python -m benchmarks.discrete_steps --out benchmarks/DISCRETE_STEPS.md
+	$(BIN)/python -m benchmarks.springs --out benchmarks/SPRINGS.md
 
 # The pages and what they show from elsewhere, in one tree, with the links between them.
 docs: build $(VENV)/.extra-docs  ## execute the notebooks and make the site, build/site/index.html
