@@ -85,10 +85,10 @@ def box(size: Sequence[float], divisions: int = 1) -> Triangles:
     """
     n = divisions
     v, u = np.mgrid[: n + 1, : n + 1]
-    sides = [  # lattice points of the -x and +x side; the other axes follow by cyclic exchange
+    sides = [  # lattice points of the +z and -z side; the other axes follow by cyclic exchange
         np.roll(np.stack(side, axis=-1), axis, axis=-1)
         for axis in range(3)
-        for side in ((0 * u, v, u), (0 * u + n, u, v))
+        for side in ((u, v, 0 * u + n), (n - u, v, 0 * u))
     ]
     lattice, index = np.unique(np.reshape(sides, (-1, 3)), axis=0, return_inverse=True)
     ids = index.reshape(6, n + 1, n + 1)

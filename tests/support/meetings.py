@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from scenarios import parts
 
 SIDE = 0.1  # [m]
@@ -68,16 +66,7 @@ MEETINGS = {
     ),
 }
 
-# How hard it is to go on where flat faces lie on each other hangs on how they are split: here along
-# crossing diagonals where one cube lies on another.
-CROSSWISE = np.array(
-    [
-        *([1, 5, 7], [1, 7, 3], [4, 0, 2], [4, 2, 6], [4, 6, 7], [4, 7, 5]),
-        *([2, 0, 1], [2, 1, 3], [2, 3, 7], [2, 7, 6], [1, 0, 4], [1, 4, 5]),
-    ],
-    np.int32,
-)
 PARTS = {
-    "box": (parts.box(SIDE, SIDE, SIDE)[0], CROSSWISE),
+    "box": parts.box(SIDE, SIDE, SIDE),
     "ball": parts.icosphere(0.02, frequency=4),
 }
