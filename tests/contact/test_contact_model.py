@@ -23,6 +23,7 @@ from contact_toolkit import (
     NonlinearDamper,
     witness_pairs,
 )
+from contact_toolkit.shapes.primitives import box
 
 pytestmark = pytest.mark.engine
 
@@ -292,6 +293,32 @@ def test_remembering_the_last_step_changes_no_bit(web, ground):
         p = p + stride * rng.normal(size=3)
         q = Rotation.from_rotvec(5 * stride * rng.normal(size=3)) * q
     assert loaded > 40
+
+
+def test_remembering_the_last_step_changes_no_bit_at_an_edge():
+    """Triangles passed over for what their parts tell, where the whole is above another field."""
+    card = CollisionMesh(*box([0.002, 0.06, 0.09]))
+    web = AreaWeb(resolution=0.03)
+    model = scenes.model(card, card, NonlinearDamper(1e9), web=web)  # two lean on each other
+    rng, state = np.random.default_rng(3), model.initial_state()
+    lean = [Rotation.from_rotvec([0, np.radians(angle), 0]).as_matrix() for angle in (-20, 20)]
+
+    def at(p):
+        X_FB = scenes.poses(p, lean[1])
+        X_FB[0, :3, :3], X_FB[0, :3, 3] = lean[0], [0.0163306, 0, 0.0426282]
+        return X_FB
+
+    p, loaded = np.array([-0.0163206, 0, 0.0426282]), 0
+    for i in range(60):
+        state = model.advance(state, 1e-3 * i, model.evaluate(at(p), scenes.velocities(), state))
+        for reach in (1.0, 5.0, 25.0):
+            X_FB = at(p + reach * 1e-6 * rng.normal(size=3))
+            warm = model.evaluate(X_FB, scenes.velocities(), state)
+            cold = model.evaluate(X_FB, scenes.velocities())
+            assert warm.body_wrenches.tobytes() == cold.body_wrenches.tobytes()
+            loaded += len(warm.loaded) > 0
+        p = p + [0, *(2e-6 * rng.normal(size=2))]
+    assert loaded > 80
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.4])

@@ -33,7 +33,9 @@ struct AreaCandidates {
     // kSmallest: it has no parts; kOpen: whether it is flat depends on the pose, its parts follow;
     // kDeeper: its parts are a part of their own, heard only where this is.
     std::int32_t ground;
-    float clearance;              // [m] the least of its corners, or of its parts that follow
+    // [m] The least of its corners. Minus infinity where parts follow: its ground tells the exact
+    // distance, where the field that its nodes are probed in may be a smooth one.
+    float clearance;
     double area;                  // [m²]
     std::array<double, 3> share;  // [m²] of the surface, what falls to each corner
     std::int32_t deeper = -1;     // of kDeeper: that part's number

@@ -227,34 +227,6 @@ std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, d
   return clear > needed + std::abs(over) + radius + way ? side : -1;
 }
 
-namespace {
-
-// Of the triangles, by their corners; of those whose parts follow, by these. What has parts that
-// are a part of their own may bear load in any case.
-void SetClearances(AreaCandidates* candidates) {
-  std::vector<AreaCandidates::Triangle>& triangles = candidates->triangles;
-  for (std::size_t i = triangles.size(); i-- > 0;) {
-    AreaCandidates::Triangle& triangle = triangles[i];
-    if (triangle.ground != AreaCandidates::kSmallest && triangle.ground != AreaCandidates::kOpen) {
-      continue;
-    }
-    triangle.clearance = std::numeric_limits<float>::infinity();
-    const auto take = [&](float clearance) {
-      triangle.clearance = std::min(triangle.clearance, clearance);
-    };
-    if (triangle.ground == AreaCandidates::kSmallest) {
-      for (const std::int32_t node : triangle.node) take(candidates->nodes[node].clearance);
-    } else {
-      for (std::size_t part = i + 1; part < static_cast<std::size_t>(triangle.last);
-           part = triangles[part].last) {
-        take(triangles[part].clearance);
-      }
-    }
-  }
-}
-
-}  // namespace
-
 // `way(p, radius)`: how far the points of a ball may yet move; nowhere at one pose.
 template <typename Probe, typename Way>
 void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
@@ -375,7 +347,13 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
     const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff - most_bulge_;
     node.clearance = RoundedDown(above / Probe::kSteepest);
   }
-  SetClearances(&candidates);
+  for (AreaCandidates::Triangle& triangle : candidates.triangles) {
+    if (triangle.ground != AreaCandidates::kSmallest) continue;
+    triangle.clearance = std::numeric_limits<float>::infinity();
+    for (const std::int32_t i : triangle.node) {
+      triangle.clearance = std::min(triangle.clearance, candidates.nodes[i].clearance);
+    }
+  }
   memory->Prune();
   if (smooth_ || surface_->primitive()) return;
   for (const AreaCandidates::Node& node : candidates.nodes) {
