@@ -162,7 +162,7 @@ def test_distance_between_a_file_and_a_part(call, tmp_path):
     write_obj(tmp_path / "cube.obj", make_part("box"))
     output = call("distance", "cube.obj", "box", "--at", "0.3", "0", "0", "--standoff", "0.2001")
     assert re.search(r"distance \[m\]\s+0\.2\b", output)
-    assert re.search(r"facet pairs within 0\.2001 m\s+62\b", output)
+    assert re.search(r"facet pairs within 0\.2001 m\s+56\b", output)
 
 
 def test_inspect_tells_defects_hierarchy_and_draws(call, tmp_path):
