@@ -30,7 +30,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from contact_toolkit.parts import mug, write_obj
 from systems import parse_model
 
-DURATION = 2.0  # [s]
+DURATION = 4.0  # [s]
 POSE = [0.0, 0.3, 0.0, -2.0, 0.0, 2.3, math.pi / 4]  # [rad]
 OPEN, SQUEEZE = 0.02, -0.004  # [m] of a finger: the controllers pull 6 mm into half the wall
 CLOSED_AT = 0.1  # [s]

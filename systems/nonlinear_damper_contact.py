@@ -23,10 +23,10 @@ from pydrake.systems.framework import (
 from contact_toolkit import ContactModel
 from systems.diagnostics.contact_watch import ContactWatch
 from systems.diagnostics.initial_overlap import InitialOverlap
+from systems.forces.explicit_forces import ExplicitForces
+from systems.forces.force_source import ForceSource
+from systems.forces.implicit_forces import ImplicitForces
 from systems.plant.body_pair import BodyPair
-from systems.step.explicit_forces import ExplicitForces
-from systems.step.force_source import ForceSource
-from systems.step.implicit_forces import ImplicitForces
 from systems.step.implicit_step import ImplicitStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.planning import TakenPairs

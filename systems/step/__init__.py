@@ -1,1 +1,1 @@
-"""How forces go along with steps: at the present (explicit), or solved with them (implicit)."""
+"""Contact solved with the step of a discrete plant: the twin that is asked, and the solver."""

@@ -152,12 +152,9 @@ std::shared_ptr<const StepSolution> Solve(const StepSolver& self, const ContactS
   return SolveAndShare(self, inputs, state);
 }
 
-std::shared_ptr<const StepSolution> SolveUnderGravity(const StepSolver& self,
-                                                      const ContactState& state, double time,
-                                                      double step, const Numbers& q0,
-                                                      const Numbers& v0,
-                                                      const ArrayIn<double, Extent<3>>& gravity,
-                                                      const PosesIn& X_FB) {
+std::shared_ptr<const StepSolution> SolveUnderGravity(
+    const StepSolver& self, const ContactState& state, double time, double step, const Numbers& q0,
+    const Numbers& v0, const ArrayIn<double, Extent<3>>& gravity, const PosesIn& X_FB) {
   RequireStateOf(self, state);
   Require(!HasJoints(self.topology()), "what moves under gravity alone has no joints");
   Inputs inputs;

@@ -15,8 +15,8 @@ from pydrake.systems.framework import Context, LeafSystem, State
 from contact_toolkit import ContactModel, ContactState, Forces
 from systems.diagnostics.contact_watch import ContactWatch, Reported
 from systems.diagnostics.step_watch import StepWatch
+from systems.forces.force_source import ForceSource
 from systems.python_cache import holding, producer
-from systems.step.force_source import ForceSource
 from systems.step.implicit_step import ImplicitStep, SolvedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.plant_inputs import PlantInputs
@@ -82,7 +82,8 @@ class ImplicitForces(ForceSource):
         watch: ContactWatch,
     ) -> None:
         self._model, self._motion, self._inputs = model, motion, inputs
-        self._make_step, self._step = make_step, None
+        self._make_step = make_step
+        self._step: ImplicitStep | None = None
         self._making = threading.Lock()
         self._watch, self._step_watch = watch, StepWatch()
         self._half_step = plant.time_step() / 2

@@ -14,8 +14,8 @@ from pydrake.systems.framework import Context, LeafSystem, State
 from contact_toolkit import ContactModel, ContactState, Forces
 from systems.diagnostics.accepted_step import AcceptedStep
 from systems.diagnostics.contact_watch import ContactWatch, Reported
+from systems.forces.force_source import ForceSource
 from systems.python_cache import holding, producer
-from systems.step.force_source import ForceSource
 from systems.wiring.motion_ports import MotionPorts
 
 Floats = NDArray[np.float64]
