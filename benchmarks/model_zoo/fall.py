@@ -167,7 +167,8 @@ def _run(scene: _Scene, budget: float, result: Fall) -> None:
         gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
         weight = plant.CalcTotalMass(context) * gravity
         gain = _momentum(plant, context) - before
-        result.imbalance = (impulse - gain) / (weight * _WINDOW) - 1
+        if weight > 0:
+            result.imbalance = (impulse - gain) / (weight * _WINDOW) - 1
 
 
 def _lift(plant: MultibodyPlant, context: Context, trees: dict[BodyIndex, set[BodyIndex]]) -> None:

@@ -37,7 +37,8 @@ def table(falls: Mapping[ModelFile, Fall]) -> str:
 
 def _state(each: Fall) -> str:
     if each.outcome != "ran":
-        return f"{each.outcome}: {each.reason}".replace("|", "/")
+        reason = each.reason.split(". ", 1)[0]  # the rest names files of this machine
+        return f"{each.outcome}: {reason}".replace("|", "/")
     return "at rest" if each.speed < AT_REST else f"moves, {each.speed:.2g} m/s"
 
 
