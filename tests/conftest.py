@@ -6,6 +6,7 @@ even by some of the tests.
 """
 
 import re
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,12 @@ _TABLES = {
     "accuracy": "worst errors, as shares of the coordinates' size",
     "validation": "closed forms and published figures: expected, got, error",
 }
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C reach what tests start, where a shell started these in the background."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
