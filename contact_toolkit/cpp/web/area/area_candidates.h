@@ -33,9 +33,6 @@ struct AreaCandidates {
     // kSmallest: it has no parts; kOpen: whether it is flat depends on the pose, its parts follow;
     // kDeeper: its parts are a part of their own, heard only where this is.
     std::int32_t ground;
-    // [m] The least of its corners. Minus infinity where parts follow: its ground tells the exact
-    // distance, where the field that its nodes are probed in may be a smooth one.
-    float clearance;
     double area;                  // [m²]
     std::array<double, 3> share;  // [m²] of the surface, what falls to each corner
     std::int32_t deeper = -1;     // of kDeeper: that part's number
@@ -47,6 +44,10 @@ struct AreaCandidates {
   std::vector<Part> parts;
   std::vector<Node> nodes;          // of each patch in its order
   std::vector<Triangle> triangles;  // likewise; of indices into `nodes`
+  // [m] Of each triangle, the least of its corners; all are looked through, so they stand alone.
+  // Minus infinity where parts follow: its ground tells the exact distance, where the field that
+  // its nodes are probed in may be a smooth one.
+  std::vector<float> clearances;
 
   std::int32_t num_deeper = 0;
 
@@ -55,6 +56,7 @@ struct AreaCandidates {
     parts.clear();
     nodes.clear();
     triangles.clear();
+    clearances.clear();
   }
 };
 
@@ -64,6 +66,7 @@ struct AreaCandidates {
 //   MayLoad(corners): the same of a triangle;
 //   Clearance(p): of a node at p;
 //   GroundUnder(corners): see AreaCandidates::Triangle; -1 where it is not certain at all poses;
+//   IsNeverFlat(corners): whether that is certain to stay so at all poses;
 //   MayLoadAbove(leaf, &side): whether a patch's leaf may have loaded nodes, where that is the side
 //     under all its triangles;
 //   ClearanceAbove(ground, corners): of a triangle, where that is all it can meet;
@@ -151,7 +154,8 @@ class CandidateGatherer {
   void AddParts(const AreaParts& parts, std::int32_t place) {
     const AreaPatch::Triangle& triangle = parts.triangles[place];
     const std::size_t open = candidates_.triangles.size();
-    if (!test_.at_one_pose) Push(triangle, AreaCandidates::kOpen, -kInfinity);
+    const bool ask = !test_.IsNeverFlat(CornersOf(triangle));
+    if (ask) Push(triangle, AreaCandidates::kOpen, -kInfinity);
     for (std::int32_t i = place + 1; i < triangle.last; i = parts.triangles[i].last) {
       const AreaPatch::Triangle& part = parts.triangles[i];
       if (part.last == i + 1 && part.deeper < 0) {
@@ -166,8 +170,7 @@ class CandidateGatherer {
         AddParts(parts, i);
       }
     }
-    if (test_.at_one_pose) return;
-    candidates_.triangles[open].last = static_cast<std::int32_t>(candidates_.triangles.size());
+    if (ask) candidates_.triangles[open].last = static_cast<std::int32_t>(candidates_.triangles.size());
   }
 
   void AddDeeper(const AreaPatch::Triangle& triangle, const AreaParts::Deeper& place) {
@@ -208,8 +211,8 @@ class CandidateGatherer {
       if (seen_[i] == kUnseen) seen_[i] = kUnasked;
     }
     const auto last = static_cast<std::int32_t>(candidates_.triangles.size()) + 1;
-    candidates_.triangles.push_back(
-        {triangle.node, last, ground, clearance, triangle.area, triangle.share});
+    candidates_.triangles.push_back({triangle.node, last, ground, triangle.area, triangle.share});
+    candidates_.clearances.push_back(clearance);
   }
 
   // Of the patch, in its order; the triangles then speak of them.

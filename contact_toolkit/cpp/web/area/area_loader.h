@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -36,10 +37,8 @@ class AreaWeb::Loader {
     motion_ = motion;
     springs_.status = kNominal;
     springs_.num_measured = 0;
-    scratch_.state.assign(nodes_.size(), State{});
-    scratch_.loads.assign(nodes_.size(), NodeLoad{});
+    MakeRoom();
     scratch_.couplings.clear();
-    if (scratch_.probed.size() < nodes_.size()) scratch_.probed.resize(nodes_.size());
     scratch_.heard.assign(candidates_.num_deeper, 0);
     std::int32_t first = 0;
     for (const AreaCandidates::Part& part : candidates_.parts) {
@@ -48,6 +47,7 @@ class AreaWeb::Loader {
     }
     Emit();
     if (springs_.slopes.wanted) FindSlopes();
+    CleanUp();
   }
 
  private:
@@ -73,9 +73,11 @@ class AreaWeb::Loader {
     Vec3 p;  // in the probed body
     FieldValue field;
   };
+  // Between runs the states, and the first loads, of all nodes are as they were made.
   struct Memory {
     std::vector<State> state;
     std::vector<NodeLoad> loads;  // the first of each node, then further ones
+    std::vector<std::uint64_t> touched;  // a bit a node: whether it was
     std::vector<Probed> probed;
     std::vector<std::uint8_t> heard;  // of the deeper parts, whether what they are parts of is open
     // Only for slopes:
@@ -83,8 +85,39 @@ class AreaWeb::Loader {
     std::vector<std::int32_t> row;  // of the springs, of each load; −1: bears none
   };
 
+  static constexpr int kWordBits = 64;
+
+  void MakeRoom() {
+    const std::size_t count = nodes_.size();
+    if (scratch_.state.size() < count) scratch_.state.resize(count);
+    if (scratch_.probed.size() < count) scratch_.probed.resize(count);
+    scratch_.loads.resize(count);
+    scratch_.touched.assign(count / kWordBits + 1, 0);
+  }
+
+  void Touch(std::int32_t i) { scratch_.touched[i / kWordBits] |= 1ull << i % kWordBits; }
+
+  // Calls act(i) for each touched node, in order.
+  template <typename Act>
+  void ForEachTouched(const Act& act) const {
+    for (std::size_t word = 0; word < scratch_.touched.size(); ++word) {
+      for (std::uint64_t rest = scratch_.touched[word]; rest != 0; rest &= rest - 1) {
+        act(static_cast<std::int32_t>(kWordBits * word + std::countr_zero(rest)));
+      }
+    }
+  }
+
+  void CleanUp() {
+    ForEachTouched([this](std::int32_t i) {
+      scratch_.state[i] = {};
+      scratch_.loads[i] = {};
+    });
+    scratch_.loads.resize(nodes_.size());
+  }
+
   const Vec3& Place(std::int32_t i) {
     if (!scratch_.state[i].placed) {
+      Touch(i);
       scratch_.state[i].placed = true;
       scratch_.probed[i].p = X_PS_ * nodes_[i].p;
     }
@@ -93,11 +126,11 @@ class AreaWeb::Loader {
 
   void LoadPart(std::int32_t first, std::int32_t last) {
     for (std::int32_t i = first; i < last;) {
-      const AreaCandidates::Triangle& triangle = candidates_.triangles[i];
-      if (triangle.clearance > motion_) {
-        i = triangle.last;
+      if (candidates_.clearances[i] > motion_) {  // so it has no parts
+        ++i;
         continue;
       }
+      const AreaCandidates::Triangle& triangle = candidates_.triangles[i];
       std::int32_t ground = triangle.ground;
       if (ground == AreaCandidates::kOpen) ground = GroundUnder(triangle);
       if (ground >= 0) {
@@ -265,6 +298,7 @@ class AreaWeb::Loader {
     for (const std::int32_t i : triangle.node) {
       State& state = scratch_.state[i];
       if (!state.tried) {
+        Touch(i);
         state.tried = true;
         if (!(nodes_[i].clearance > motion_)) ProbeIfNear(i);
       }
@@ -345,20 +379,25 @@ class AreaWeb::Loader {
 
   void Emit() {
     const std::vector<NodeLoad>& loads = scratch_.loads;
-    springs_.Resize(
-        std::ranges::count_if(loads, [](const NodeLoad& load) { return load.integral > 0; }));
-    if (springs_.slopes.wanted) scratch_.row.assign(loads.size(), -1);
-    std::int32_t row = 0, i = 0;
-    for (const AreaCandidates::Part& part : candidates_.parts) {
-      for (; i < part.last_node; ++i) {
-        const std::int32_t first = loads[i].next < 0 ? i : FacedBy(i);
-        for (std::int32_t load = i; load >= 0; load = loads[load].next) {
-          if (!(loads[load].integral > 0)) continue;
-          if (springs_.slopes.wanted) scratch_.row[load] = row;
-          Write(KeyOf(part.patch, i, load == first ? -1 : loads[load].side), i, loads[load], row++);
-        }
+    std::size_t count = 0;
+    const auto for_each_load = [&](std::int32_t i, const auto& act) {
+      for (std::int32_t load = i; load >= 0; load = loads[load].next) {
+        if (loads[load].integral > 0) act(load);
       }
-    }
+    };
+    ForEachTouched([&](std::int32_t i) { for_each_load(i, [&](std::int32_t) { ++count; }); });
+    springs_.Resize(count);
+    if (springs_.slopes.wanted) scratch_.row.assign(loads.size(), -1);
+    std::int32_t row = 0;
+    auto part = candidates_.parts.begin();
+    ForEachTouched([&](std::int32_t i) {
+      while (i >= part->last_node) ++part;
+      const std::int32_t first = loads[i].next < 0 ? i : FacedBy(i);
+      for_each_load(i, [&](std::int32_t load) {
+        if (springs_.slopes.wanted) scratch_.row[load] = row;
+        Write(KeyOf(part->patch, i, load == first ? -1 : loads[load].side), i, loads[load], row++);
+      });
+    });
   }
 
   // Of a node's loads, that which most of its triangles face.
@@ -437,12 +476,12 @@ class AreaWeb::Loader {
     slopes.clear();
     slopes.nodes_on_a = web_.samples_a_;
     slopes.bend.resize(springs_.size());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      if (scratch_.row[i] < 0 || scratch_.loads[i].side >= 0) continue;  // flat
+    ForEachTouched([&](std::int32_t i) {
+      if (scratch_.row[i] < 0 || scratch_.loads[i].side >= 0) return;  // flat
       const auto& [p, field] = scratch_.probed[i];
       const Symmetric3 curvature = probe_.Curvature(p, field);
       slopes.bend[scratch_.row[i]] = web_.samples_a_ ? Rotated(X_AB_.R, curvature) : curvature;
-    }
+    });
     FindElasticSlopes(scratch_.couplings, scratch_.row, web_.options_.stiffness, &springs_);
   }
 

@@ -15,14 +15,16 @@ void AreaMemory::KeepTriangles(std::int32_t first, std::int32_t last, AreaCandid
     const std::size_t place = kept->triangles.size();
     const bool open = triangle.ground == AreaCandidates::kOpen;
     const auto may_be_loaded = [&](std::int32_t i) {
-      return triangle.clearance <= Way(candidates.nodes[i].p, 0);
+      return candidates.clearances[t] <= Way(candidates.nodes[i].p, 0);
     };
     if (!open && !std::ranges::any_of(triangle.node, may_be_loaded)) continue;
     kept->triangles.push_back(triangle);
+    kept->clearances.push_back(candidates.clearances[t]);
     if (open) KeepTriangles(t + 1, triangle.last, kept);
     // An open triangle with a loaded corner has a part with it.
     if (open && kept->triangles.size() == place + 1) {
       kept->triangles.pop_back();
+      kept->clearances.pop_back();
     } else {
       kept->triangles[place].last = static_cast<std::int32_t>(kept->triangles.size());
     }

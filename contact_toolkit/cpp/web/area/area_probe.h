@@ -1,8 +1,9 @@
 // The fields that nodes of the area web probe, each remembering what helps with the next node.
 // `Clearance`: of a node at p, when it may yet move by `slack` [m]; it takes less work than the
 // value. `kStopsEarly`: has `IfNear`, the value, unless it is found on the way there that a node of
-// such a clearance bears no load. `kSteepest`: no value changes faster than this many times the way
-// moved. `Curvature`: second derivatives of the field [1/m] where it had a value.
+// such a clearance bears no load. `SafeWay`: how far a node may move [m] before its value falls by
+// `above` from what it is at p. `Curvature`: second derivatives of the field [1/m] where it had a
+// value.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,6 @@ namespace contact_toolkit {
 class ExactProbe {
  public:
   static constexpr bool kTellsSide = true, kStopsEarly = true;
-  static constexpr double kSteepest = 1;
 
   ExactProbe(const ProbedSurface& surface, const DistanceBounds& bounds, double standoff)
       : surface_(surface), bounds_(bounds), standoff_(standoff) {}
@@ -34,6 +34,10 @@ class ExactProbe {
     const FieldValue value = surface_.Probe(p, hint_);
     hint_ = value.slot;
     return value;
+  }
+
+  double SafeWay(const Vec3& /*p*/, const FieldValue& /*value*/, double above) const {
+    return above;
   }
 
   // Where the surface is farther away than the node can be deep, the node is outside.
@@ -81,14 +85,12 @@ class RecallingProbe {
 class SmoothProbe {
  public:
   static constexpr bool kTellsSide = false, kStopsEarly = false;
-  static constexpr double kSteepest = SmoothField::kSteepest;
-
   SmoothProbe(const SmoothField& field, const DistanceBounds& bounds, double standoff)
       : field_(field), bounds_(bounds), standoff_(standoff) {}
 
   double Clearance(const Vec3& p, double slack) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    switch (field_.IsAbove(p, standoff_ + kSteepest * slack, &cursor_)) {
+    switch (field_.IsAbove(p, standoff_ + SmoothField::kSteepest * slack, &cursor_)) {
       case SmoothField::Above::kYes:
         return kInfinity;
       case SmoothField::Above::kMaybeNot:
@@ -101,6 +103,10 @@ class SmoothProbe {
   }
 
   FieldValue operator()(std::int32_t /*node*/, const Vec3& p) { return field_.Probe(p, &cursor_); }
+
+  double SafeWay(const Vec3& p, const FieldValue& value, double above) const {
+    return field_.SafeWay(p, value.gradient, above);
+  }
 
   Symmetric3 Curvature(const Vec3& p, const FieldValue& /*value*/) {
     return field_.Curvature(p, &cursor_);

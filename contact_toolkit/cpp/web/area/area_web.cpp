@@ -158,7 +158,7 @@ std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const std::array<Vec3, 3>& cor
                                 double way) const {
   if (!flats_) return -1;
   const double radius = RadiusOf(corners);
-  auto [side, clear, doubt] = flats_->About(X_PS * CenterOf(corners), radius);
+  auto [side, clear, doubt, at_most] = flats_->About(X_PS * CenterOf(corners), radius);
   if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
   if (!(clear > radius)) return -1;
   const FlatSides::Side& plane = flats_->side(side);
@@ -180,7 +180,7 @@ std::int32_t AreaWeb::GroundUnder(const Pose& X_PS, const std::array<Vec3, 3>& c
 std::int32_t AreaWeb::WedgeUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
                                  double way) const {
   const double radius = RadiusOf(corners);
-  auto [index, clear, doubt] = wedges_->About(X_PS * CenterOf(corners), radius);
+  auto [index, clear, doubt, at_most] = wedges_->About(X_PS * CenterOf(corners), radius);
   if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
   if (!(clear > radius)) return -1;
   // Inside the wedge no point is deeper than under the plane that the triangle is least under.
@@ -196,6 +196,21 @@ std::int32_t AreaWeb::WedgeUnder(const Pose& X_PS, const std::array<Vec3, 3>& co
   }
   if (!(clear > radius + deepest)) return -1;
   return static_cast<std::int32_t>(flats_->flats().sides.size()) + index;
+}
+
+bool AreaWeb::IsNeverFlatUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
+                               double way) const {
+  if (!flats_) return true;
+  if (wedges_ && !wedges_->empty()) return false;
+  const double radius = RadiusOf(corners);
+  const Vec3 center = X_PS * CenterOf(corners);
+  const KnownRegion region = flats_->About(center, radius);
+  if (region.index < 0) return false;
+  // How far a side goes changes no faster than the point moves, and where another is closest, it
+  // goes no farther than to this one.
+  const double most = region.at_most + way - radius;
+  return most <= 0 ||
+         (most <= flat_margin_ && !(smooth_ && smooth_->MayBeExact(center, radius, way)));
 }
 
 std::span<const std::int32_t> AreaWeb::SidesOf(const std::int32_t& ground) const {
@@ -217,7 +232,7 @@ std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, d
   if (!flats_) return -1;
   const auto& [center_S, radius] = leaf.around;
   const Vec3 center = X_PS * center_S;
-  auto [side, clear, doubt] = flats_->About(center, leaf.largest);
+  auto [side, clear, doubt, at_most] = flats_->About(center, leaf.largest);
   clear -= KnownRegion::kUncertain * clear + doubt + radius + way;
   const double needed = leaf.largest + flat_margin_;
   if (!(clear > needed)) return -1;
@@ -256,10 +271,14 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
       return middle.phi + least - rounding <= web.reach() + way(sphere.center, sphere.radius);
     }
     double Clearance(const Vec3& p) const { return probe->Clearance(X_PS * p, way(p, 0)); }
+    double Farthest(const std::array<Vec3, 3>& corners) const {
+      return std::max({way(corners[0], 0), way(corners[1], 0), way(corners[2], 0)});
+    }
     std::int32_t GroundUnder(const std::array<Vec3, 3>& corners) const {
-      double farthest = 0;
-      for (const Vec3& corner : corners) farthest = std::max(farthest, way(corner, 0));
-      return web.GroundUnder(X_PS, corners, farthest);
+      return web.GroundUnder(X_PS, corners, Farthest(corners));
+    }
+    bool IsNeverFlat(const std::array<Vec3, 3>& corners) const {
+      return at_one_pose || web.IsNeverFlatUnder(X_PS, corners, Farthest(corners));
     }
     bool MayLoadAbove(const AreaPatch::Leaf& leaf, std::int32_t* side) const {
       const double farthest = way(leaf.around.center, leaf.around.radius);
@@ -344,15 +363,18 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
   Gather(X_PS, way, probe, &candidates);
   for (AreaCandidates::Node& node : candidates.nodes) {
     if (!(node.clearance <= 0)) continue;
-    const double above = (*probe)(-1, X_PS * node.p).phi - options_.standoff - most_bulge_;
-    node.clearance = RoundedDown(above / Probe::kSteepest);
+    const Vec3 p = X_PS * node.p;
+    const FieldValue field = (*probe)(-1, p);
+    const double above = field.phi - options_.standoff - most_bulge_;
+    node.clearance = RoundedDown(probe->SafeWay(p, field, above));
   }
-  for (AreaCandidates::Triangle& triangle : candidates.triangles) {
+  for (std::size_t t = 0; t < candidates.triangles.size(); ++t) {
+    const AreaCandidates::Triangle& triangle = candidates.triangles[t];
     if (triangle.ground != AreaCandidates::kSmallest) continue;
-    triangle.clearance = std::numeric_limits<float>::infinity();
-    for (const std::int32_t i : triangle.node) {
-      triangle.clearance = std::min(triangle.clearance, candidates.nodes[i].clearance);
-    }
+    const auto& [a, b, c] = triangle.node;
+    candidates.clearances[t] = std::min({candidates.nodes[a].clearance,
+                                         candidates.nodes[b].clearance,
+                                         candidates.nodes[c].clearance});
   }
   memory->Prune();
   if (smooth_ || surface_->primitive()) return;

@@ -91,6 +91,8 @@ class AreaWeb final : public SpringWeb {
   // [m]: the least over that.
   std::int32_t SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, double way,
                          double* height) const;
+  // Whether that is certainly -1 at each of the poses.
+  bool IsNeverFlatUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners, double way) const;
   bool IsExact(const Vec3& center, double radius, double way) const;
   template <typename Probe, typename Way>
   void Gather(const Pose& X_PS, const Way& way, Probe* probe, AreaCandidates* candidates) const;

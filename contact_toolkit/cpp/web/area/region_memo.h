@@ -19,6 +19,7 @@ struct KnownRegion {
   double doubt = 0;  // [m] at the same point, what is known from another lattice point may be
                      // less by this, and a kUncertain of `clear`
   static constexpr double kUncertain = 0.01;
+  double at_most = 0;  // [m] it goes no farther than this
 };
 
 class RegionMemo {
@@ -45,15 +46,18 @@ class RegionMemo {
     });
     const std::uint32_t clear = value & ((1u << kHalfBits) - 1);
     if (clear == 0) return {};
+    const double away = std::sqrt(point.squared_distance);
     return {static_cast<std::int32_t>(value >> kHalfBits),
-            std::bit_cast<float>(clear << 16) - std::sqrt(point.squared_distance),
-            2 * std::sqrt(0.75) * spacing};
+            std::bit_cast<float>(clear << 16) - away,
+            2 * std::sqrt(0.75) * spacing,
+            kMostRounding * std::bit_cast<float>(clear << 16) + away};
   }
 
  private:
   // A value is an index in 15 bits and a positive float without sign and the last 16 bits.
   static constexpr int kHalfBits = 15;
   static constexpr double kRounding = 0.008;  // [-] more than the missing bits are worth
+  static constexpr double kMostRounding = 1.017;  // [-] what stood there over what is kept
 
   static double LargestHalf(const CollisionMesh& mesh) {
     const Vec3 half = 0.5 * (mesh.upper() - mesh.lower());

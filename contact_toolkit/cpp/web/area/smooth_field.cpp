@@ -283,19 +283,46 @@ SmoothField::Above SmoothField::IsAbove(const Vec3& p, double level, Cursor* cur
   return found.spline->least[cell] > level ? Above::kYes : Above::kMaybeNot;
 }
 
-bool SmoothField::IsExact(const Vec3& center, double radius, double* doubt) const {
-  constexpr double kFloatError = 1e-6;
-  if (!sharp_edges_) return false;
-  LatticeMemo::Point point;
-  if (!sharp_distances_->Next(center - origin_, 0.5 * radius, &point)) return false;
+double SmoothField::SharpDistance(const LatticeMemo::Point& point) const {
   const std::uint32_t value = sharp_distances_->ValueAt(point, [&] {
     const ClosestPoint closest = FindClosestPoint(*sharp_edges_, origin_ + point.offset);
     const double away = (1 + kFloatError) * std::sqrt(closest.squared_distance);
     return std::bit_cast<std::uint32_t>(static_cast<float>(away)) >> 2;
   });
+  return std::bit_cast<float>(value << 2);
+}
+
+bool SmoothField::IsExact(const Vec3& center, double radius, double* doubt) const {
+  if (!sharp_edges_) return false;
+  LatticeMemo::Point point;
+  if (!sharp_distances_->Next(center - origin_, 0.5 * radius, &point)) return false;
   *doubt = 2 * std::sqrt(0.75) * sharp_distances_->spacing(point.level) + 10 * kFloatError * cell_;
-  const double away = std::bit_cast<float>(value << 2) + std::sqrt(point.squared_distance);
+  const double away = SharpDistance(point) + std::sqrt(point.squared_distance);
   return away + radius < (kWhole - kWeighedFrom) * cell_;
+}
+
+double SmoothField::LeastSharpDistance(const Vec3& p, double spacing) const {
+  if (!sharp_edges_) return std::numeric_limits<double>::infinity();
+  LatticeMemo::Point point;
+  if (!sharp_distances_->Next(p - origin_, spacing, &point)) return 0;
+  return (1 - 2 * kFloatError) * SharpDistance(point) - std::sqrt(point.squared_distance);
+}
+
+bool SmoothField::MayBeExact(const Vec3& center, double radius, double way) const {
+  return LeastSharpDistance(center, 0.5 * radius) - way + radius <
+         (kWhole - kWeighedFrom) * cell_;
+}
+
+bool SmoothField::IsSpline(const Vec3& center, double radius) const {
+  return LeastSharpDistance(center, cell_) - radius > (kGone + kWeighedFrom) * cell_;
+}
+
+double SmoothField::SafeWay(const Vec3& p, const Vec3& gradient, double above) const {
+  const double sure = above / kSteepest;
+  if (!(above > 0) || !IsSpline(p, cell_)) return sure;
+  const double g = Norm(gradient), bend = kMostBend / cell_;
+  const double way = 2 * above / (g + std::sqrt(g * g + 2 * bend * above));
+  return std::max(sure, std::min(way, cell_));
 }
 
 FieldValue SmoothField::ProbeExact(const Vec3& p, Cursor* cursor) const {

@@ -48,12 +48,17 @@ class SmoothField {
   // a mean of two fields that differ by kDeviation changes by that with its weight.
   static constexpr double kSteepest = 4;
 
+  // [m] How far one may move from p, where it has this gradient, before it has fallen by `above`.
+  double SafeWay(const Vec3& p, const Vec3& gradient, double above) const;
+
   // [m] Around a point the field is that of the distances within this.
   double support() const { return kSupport * cell_; }
 
   // Whether the field is the exact distance throughout the ball, by a test that is sure on one side
   // only: false may be said of an exact ball. `doubt` [m]: a ball so much larger may fail the test.
   bool IsExact(const Vec3& center, double radius, double* doubt) const;
+  // Whether that may be said of some ball about a point no farther from the center than `way` [m].
+  bool MayBeExact(const Vec3& center, double radius, double way) const;
 
  private:
   static constexpr int kBrickBits = 3;
@@ -67,6 +72,10 @@ class SmoothField {
   // weight, and beyond which it has none. A point is given weights by lattice points within 2.6.
   static constexpr double kWhole = 6, kGone = 8.5, kWeighedFrom = 2.6;
   static_assert(kWhole - kWeighedFrom > kSupport);
+  static constexpr double kFloatError = 1e-6;  // [-] of distances kept as floats
+  // [-] Over the cell: second derivatives of the spline. Those of a lattice's distances differ by
+  // no more than 2 cells, their own second differences by 8: so each of the nine is 2 + 3 × 8 / 8.
+  static constexpr double kMostBend = 15;
   static constexpr int kCells = kBrick * kBrick * kBrick;
   static constexpr int kCorners = kPoints * kPoints * kPoints;
   struct Spline {
@@ -91,6 +100,12 @@ class SmoothField {
   bool FillWeights(const std::array<std::int32_t, 3>& brick, Weights* filled) const;
   double WeightAt(const Vec3& p) const;
   static bool AllAre(Kind kind, const Weights& weights);
+  // [m] Of a lattice point from the sharp edges, or a little more.
+  double SharpDistance(const LatticeMemo::Point& point) const;
+  // [m] No more than that of a point, asked of a lattice of about that spacing.
+  double LeastSharpDistance(const Vec3& p, double spacing) const;
+  // Whether the ball is all beyond where the exact distance has weight; false may be said of one.
+  bool IsSpline(const Vec3& center, double radius) const;
   FieldValue ProbeExact(const Vec3& p, Cursor* cursor) const;
   struct Cell;
   void Find(const Vec3& p, Cursor* cursor, Cell* cell) const;

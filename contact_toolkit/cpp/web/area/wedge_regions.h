@@ -27,6 +27,7 @@ class WedgeRegions {
                std::shared_ptr<const FlatRegions> flats, double finest);
   ~WedgeRegions();
 
+  bool empty() const { return !edges_; }
   const Wedge& wedge(std::int32_t index) const { return wedges_[index]; }
 
   // Of a wedge: it is the body within `clear` of `center`.
