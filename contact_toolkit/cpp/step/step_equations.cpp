@@ -168,20 +168,27 @@ bool StepEquations::WasInContact(const StepIsland& island) const {
   });
 }
 
-double StepEquations::FreeChange(const StepIsland& island) const {
+double StepEquations::SquaredSizeOf(const StepIsland& island, const auto& velocity) const {
   double square = 0;
   for (const int index : island.trees) {
     const StepTree& tree = topology_.trees[index];
     const std::vector<double>& A = trees_[index].inertia;
     for (int i = 0; i < tree.nv; ++i) {
       for (int j = 0; j < tree.nv; ++j) {
-        const int a = tree.v_start + i, b = tree.v_start + j;
-        square += (problem_.v_free[a] - problem_.v0[a]) * A[i * tree.nv + j] *
-                  (problem_.v_free[b] - problem_.v0[b]);
+        square += velocity(tree.v_start + i) * A[i * tree.nv + j] * velocity(tree.v_start + j);
       }
     }
   }
-  return std::sqrt(std::max(0.0, square));
+  return std::max(0.0, square);
+}
+
+double StepEquations::FreeChange(const StepIsland& island) const {
+  return std::sqrt(SquaredSizeOf(
+      island, [this](int dof) { return problem_.v_free[dof] - problem_.v0[dof]; }));
+}
+
+double StepEquations::FreeEnergy(const StepIsland& island) const {
+  return SquaredSizeOf(island, [this](int dof) { return problem_.v_free[dof]; });
 }
 
 void StepEquations::SetInertia(int index) {

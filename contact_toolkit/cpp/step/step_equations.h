@@ -52,6 +52,9 @@ class StepEquations {
   // |A (v_free − v0)|: what the step does without contact.
   double FreeChange(const StepIsland& island) const;
 
+  // |A v_free|², as residuals are measured: what a stand would leave without contact.
+  double FreeEnergy(const StepIsland& island) const;
+
   // Sets poses and forces at velocities `v`, of these islands.
   void Evaluate(const std::vector<const StepIsland*>& islands, std::span<const double> v,
                 Slopes slopes);
@@ -92,6 +95,8 @@ class StepEquations {
   void AddUpForces(const StepIsland& island);
   void Push(int body, const Vec3& p_FP, const Vec3& torque, const Vec3& force, double* f) const;
   double SizeOf(int tree, const double* momentum) const;
+  // vᵀ A v of an island, for the velocity of each degree of freedom.
+  double SquaredSizeOf(const StepIsland& island, const auto& velocity) const;
   double LightnessOf(int body);
   void AddPair(const StepWork& work, std::span<const double> v, Symmetry symmetry,
                BlockMatrix* matrix) const;

@@ -142,12 +142,42 @@ class StepSolver::Search {
     return true;
   }
 
+  // Bodies that fly at each other are deep in each other at the end of a step, where forces no longer
+  // tell the way out. So where the start is worse than a stand without any contact would be, it is
+  // approached from a stand, as far as that is good.
+  void ApproachStarts() {
+    std::vector<Island*> flying, others;
+    for (Island& island : islands_) {
+      if (island.phase != Phase::kSearching) continue;
+      const bool bad = !island.still && island.merit > equations_.FreeEnergy(island.joined);
+      (bad ? flying : others).push_back(&island);
+    }
+    if (flying.empty()) return;
+    for (Island* island : others) island->phase = Phase::kDone;
+    std::vector<double> merits;
+    for (Island* island : flying) {
+      merits.push_back(island->merit);
+      ForEachDof(*island, [&](int dof) { direction_[dof] = std::exchange(v_[dof], 0.0); });
+      island->length = 0.5;
+    }
+    EvaluateAtAccepted();
+    for (std::size_t i = 0; i < flying.size(); ++i) {
+      if (flying[i]->merit < merits[i]) continue;
+      ForEachDof(*flying[i], [&](int dof) { v_[dof] = direction_[dof]; });
+      flying[i]->length = 0;  // no search: only its forces are wanted again
+    }
+    LineSearch();
+    for (Island* island : flying) island->symmetric = false;  // nothing is known of Newton's way yet
+    for (Island* island : others) island->phase = Phase::kSearching;
+  }
+
   // Newton's method, for the islands that are searching.
   void Iterate() {
     // What stands still mostly goes on standing still, and needs no slopes.
     bool linear = !std::ranges::all_of(
         islands_, [](const Island& i) { return i.still || i.phase == Phase::kDone; });
     EvaluateAtAccepted(linear ? Slopes::kFound : Slopes::kLeftOut);
+    ApproachStarts();
     for (int iteration = 0; iteration < kStepIterations; ++iteration) {
       for (Island& island : islands_) {
         if (island.phase == Phase::kSearching && Converged(island)) island.phase = Phase::kDone;
