@@ -77,41 +77,39 @@ Twist BodyKinematics::TwistOf(int body, std::span<const double> v) const {
   return {{V[0], V[1], V[2]}, {V[3], V[4], V[5]}};
 }
 
-void BodyKinematics::Differentiate(int body, std::span<const double> v, double* displacement,
-                                   double* velocity) const {
+Vec3 BodyKinematics::OriginOf(int body, const Pose& X_FB) const {
   const StepBody& moving = topology_.bodies[body];
-  const StepTree& tree = topology_.trees[moving.tree];
-  const int n = tree.nv;
+  if (moving.tree < 0 || topology_.trees[moving.tree].q_start < 0) return X_FB.p;
+  return X_FB.p - X_FB.R * (Transpose(moving.X_RB.R) * moving.X_RB.p);
+}
+
+void BodyKinematics::Differentiate(int body, std::span<const double> v,
+                                   std::vector<Change>* changes) const {
+  const StepTree& tree = topology_.trees[topology_.bodies[body].tree];
   const double h = problem_.step;
-  if (tree.q_start < 0) {
-    const std::size_t nv = topology_.num_velocities;
-    const double* J = problem_.jacobian.data() + 6 * nv * body + tree.v_start;
-    for (int i = 0; i < 6; ++i) {
-      for (int k = 0; k < n; ++k) {
-        velocity[i * n + k] = J[i * nv + k];
-        displacement[i * n + k] = h * J[i * nv + k];
-      }
+  const bool floats = tree.q_start >= 0;
+  const std::size_t nv = topology_.num_velocities;
+  const double* J = floats ? nullptr : problem_.jacobian.data() + 6 * nv * body + tree.v_start;
+  changes->resize(tree.nv);
+  // Half of the rotation, and what a change of it turns by.
+  Vec3 a;
+  if (floats) a = 0.5 * h * VectorAt(v, tree.v_start);
+  for (int k = 0; k < tree.nv; ++k) {
+    Change& change = (*changes)[k];
+    change = {};
+    if (floats) {
+      (k < 3 ? change.spin : change.speed)[k % 3] = 1;
+      continue;
     }
-    return;
-  }
-  std::fill_n(displacement, 36, 0.0);
-  std::fill_n(velocity, 36, 0.0);
-  const Vec3 w = VectorAt(v, tree.v_start), a = 0.5 * h * w;
-  const Vec3 arm = EndOfRoot(tree, v).R * moving.X_RB.p;
-  for (int k = 0; k < 3; ++k) {
-    Vec3 axis;
-    axis[k] = 1;
-    // Derivative of the rotation (1, a) with respect to a.
-    const Vec3 turn = h / (1 + SquaredNorm(a)) * (axis + Cross(a, axis));
-    const Vec3 way = Cross(turn, arm), swing = Cross(axis, arm) + Cross(w, way);
     for (int i = 0; i < 3; ++i) {
-      displacement[i * 6 + k] = turn[i];
-      displacement[(3 + i) * 6 + k] = way[i];
-      velocity[(3 + i) * 6 + k] = swing[i];
+      change.spin[i] = J[i * nv + k];
+      change.speed[i] = J[(3 + i) * nv + k];
     }
-    velocity[k * 6 + k] = 1;
-    velocity[(3 + k) * 6 + 3 + k] = 1;
-    displacement[(3 + k) * 6 + 3 + k] = h;
+    a += (0.5 * h * (v[tree.v_start + k] - problem_.v_reference[tree.v_start + k])) * change.spin;
+  }
+  for (Change& change : *changes) {
+    change.turn = h / (1 + SquaredNorm(a)) * (change.spin + Cross(a, change.spin));
+    change.way = h * change.speed;
   }
 }
 

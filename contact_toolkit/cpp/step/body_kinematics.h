@@ -16,10 +16,16 @@ class BodyKinematics {
   Pose PoseOf(int body, std::span<const double> v) const;
   Twist TwistOf(int body, std::span<const double> v) const;
 
-  // Displacement (rotation, translation of Bo) and velocity of the body by the velocities of its
-  // tree, at the end of a step at v: (6, nv of the tree), row-major, in F.
-  void Differentiate(int body, std::span<const double> v, double* displacement,
-                     double* velocity) const;
+  // What moves with a body, and where: the root of a floating tree, about whose origin the tree's
+  // velocities are taken, else the body itself. Its origin, from the body's pose.
+  Vec3 OriginOf(int body, const Pose& X_FB) const;
+
+  // How pose and velocity of that change, at the end of a step at v, with each velocity of the tree.
+  struct Change {
+    Vec3 turn, way;    // displacement
+    Vec3 spin, speed;  // angular velocity, velocity of the origin
+  };
+  void Differentiate(int body, std::span<const double> v, std::vector<Change>* changes) const;
 
  private:
   Pose EndOfRoot(const StepTree& tree, std::span<const double> v) const;

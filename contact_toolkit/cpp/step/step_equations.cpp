@@ -16,18 +16,19 @@ namespace {
 
 double Square(double x) { return x * x; }
 
-// Rows and columns of `block` (n_i, n_j) += Jᵢᵀ G Jⱼ with J of (6, n).
-void AddProduct(int ni, int nj, const double* Ji, const Mat6& G, const double* Jj, double sign,
-                double* block) {
-  for (int r = 0; r < 6; ++r) {
-    for (int j = 0; j < nj; ++j) {
-      double sum = 0;
-      for (int k = 0; k < 6; ++k) sum += G.m[r][k] * Jj[k * nj + j];
-      if (sum == 0) continue;
-      sum *= sign;
-      for (int i = 0; i < ni; ++i) block[i * nj + j] += Ji[r * ni + i] * sum;
-    }
+Slope operator*(const Mat6& m, const Slope& x) {
+  const double in[6] = {x.rotation.x,    x.rotation.y,    x.rotation.z,
+                        x.translation.x, x.translation.y, x.translation.z};
+  double out[6] = {};
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) out[i] += m.m[i][k] * in[k];
   }
+  return {{out[0], out[1], out[2]}, {out[3], out[4], out[5]}};
+}
+
+// What of both parts a small rotation changes.
+Slope Turn(const Vec3& rotation, const Slope& x) {
+  return {Cross(rotation, x.rotation), Cross(rotation, x.translation)};
 }
 
 // R m Rᵀ on each of the four quarters.
@@ -55,18 +56,6 @@ Mat6 InertiaInF(const StepTopology& topology, int index, std::span<const double>
   std::copy_n(topology.inertia_R.data() + 36 * index, 36, &I_R.m[0][0]);
   return Turned(RotationOf(q0.data() + topology.trees[index].q_start), I_R);
 }
-
-namespace {
-
-// J of a body's origin becomes that of the point at `arm` from it.
-void ShiftTo(const Vec3& arm, int n, double* J) {
-  for (int k = 0; k < n; ++k) {
-    const Vec3 moved = Cross({J[k], J[n + k], J[2 * n + k]}, arm);
-    for (int i = 0; i < 3; ++i) J[(3 + i) * n + k] += moved[i];
-  }
-}
-
-}  // namespace
 
 StepEquations::StepEquations(const ContactModel& model, const StepTopology& topology,
                              const StepProblem& problem, const ContactState& state)
@@ -259,16 +248,14 @@ void StepEquations::Push(int body, const Vec3& p_FP, const Vec3& torque, const V
   const StepBody& moving = topology_.bodies[body];
   if (moving.tree < 0) return;
   const StepTree& tree = topology_.trees[moving.tree];
-  if (tree.q_start >= 0) {  // about Ro, where the tree's velocities are taken
-    const Vec3 p_FR = X_FB_[body].p - X_FB_[body].R * (Transpose(moving.X_RB.R) * moving.X_RB.p);
-    const Vec3 moment = torque + Cross(p_FP - p_FR, force);
+  const Vec3 moment = torque + Cross(p_FP - kinematics_.OriginOf(body, X_FB_[body]), force);
+  if (tree.q_start >= 0) {
     for (int i = 0; i < 3; ++i) {
       f[tree.v_start + i] += moment[i];
       f[tree.v_start + 3 + i] += force[i];
     }
     return;
   }
-  const Vec3 moment = torque + Cross(p_FP - X_FB_[body].p, force);
   const double F[6] = {moment.x, moment.y, moment.z, force.x, force.y, force.z};
   const std::size_t nv = topology_.num_velocities;
   const double* J = problem_.jacobian.data() + 6 * nv * body + tree.v_start;
@@ -361,43 +348,71 @@ void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Sym
   const ContactPair& pair = model_.pairs()[work.found.pair];
   PairLinearization linear;
   model_.LinearizeFound(work.found, X_FB_, V_FB_, &state_, symmetry, &linear);
-  const Mat6 S = Turned(work.found.X_FA.R, linear.stiffness);
-  const Mat6 D = Turned(work.found.X_FA.R, linear.damping);
-  const double h = problem_.step;
+  const Mat3& R = work.found.X_FA.R;
+  const Mat6 S = Turned(R, linear.stiffness), D = Turned(R, linear.damping);
+  const Vec3 p_FP = work.found.X_FA.p;
+  const Slope wrench{R * work.total.torque, R * work.total.force};  // on A, about P
   struct Side {
-    int block = -1, nv = 0;
-    std::vector<double> displacement, velocity;
+    int body, tree;
+    Vec3 arm, w;  // of P from the origin; angular velocity
+    std::vector<BodyKinematics::Change> changes;
   };
   Side sides[2];
   for (int s = 0; s < 2; ++s) {
-    const int body = model_.geometries()[s == 0 ? pair.a : pair.b].body;
-    const int tree = topology_.bodies[body].tree;
-    if (tree < 0) continue;
     Side& side = sides[s];
-    side.block = trees_[tree].block;
-    side.nv = topology_.trees[tree].nv;
-    side.displacement.resize(6 * side.nv);
-    side.velocity.resize(6 * side.nv);
-    kinematics_.Differentiate(body, v, side.displacement.data(), side.velocity.data());
-    const Vec3 arm = work.found.X_FA.p - X_FB_[body].p;
-    ShiftTo(arm, side.nv, side.displacement.data());
-    ShiftTo(arm, side.nv, side.velocity.data());
+    side.body = model_.geometries()[s == 0 ? pair.a : pair.b].body;
+    side.tree = topology_.bodies[side.body].tree;
+    side.arm = p_FP - kinematics_.OriginOf(side.body, X_FB_[side.body]);
+    side.w = V_FB_[side.body].w;
+    if (side.tree >= 0) kinematics_.Differentiate(side.body, v, &side.changes);
   }
-  Mat6 hS = S, hD = D;
-  for (auto& row : hS.m) {
-    for (double& x : row) x *= h;
-  }
-  for (auto& row : hD.m) {
-    for (double& x : row) x *= h;
-  }
-  for (int s = 0; s < 2; ++s) {
-    for (int t = 0; t < 2; ++t) {
-      if (sides[s].block < 0 || sides[t].block < 0) continue;
-      const double sign = s == t ? 1.0 : -1.0;
-      double* block = matrix->Block(sides[s].block, sides[t].block);
-      const double* left = sides[s].velocity.data();
-      AddProduct(sides[s].nv, sides[t].nv, left, hS, sides[t].displacement.data(), sign, block);
-      AddProduct(sides[s].nv, sides[t].nv, left, hD, sides[t].velocity.data(), sign, block);
+  const auto& [a, b] = sides;
+  const auto velocity_at = [&](const Side& side) {
+    const Twist& V = V_FB_[side.body];
+    return V.v + Cross(V.w, p_FP - X_FB_[side.body].p);
+  };
+  const Slope V_rel{a.w - b.w, velocity_at(a) - velocity_at(b)};
+  const bool whole = symmetry == Symmetry::kNone;
+  // Where A, with P, or B moves: how the wrench changes, and the arms. Of B with A at rest it is as
+  // if A moved the other way, and then all turned with B.
+  struct Moved {
+    Slope wrench;
+    Vec3 arm_a, arm_b;
+  };
+  const auto moved_a = [&](const BodyKinematics::Change& c) {
+    const Vec3 swing = Cross(c.turn, a.arm), way = c.way + swing;
+    Slope motion{c.turn, way}, faster{c.spin, c.speed + Cross(c.spin, a.arm)};
+    if (!whole) return Moved{-1.0 * (S * motion + D * faster), {}, {}};
+    faster.translation += Cross(a.w, swing) - Cross(b.w, way);
+    return Moved{-1.0 * (S * motion + D * faster), swing, way};
+  };
+  const auto moved_b = [&](const BodyKinematics::Change& c) {
+    const Slope motion{c.turn, c.way + Cross(c.turn, b.arm)};
+    Slope faster{c.spin, c.speed + Cross(c.spin, b.arm)};
+    if (!whole) return Moved{S * motion + D * faster, {}, {}};
+    faster.translation -= Cross(b.w, c.way);
+    faster += Turn(c.turn, V_rel);
+    return Moved{S * motion + D * faster + Turn(c.turn, wrench), {}, -c.way};
+  };
+  const double h = problem_.step;
+  for (int t = 0; t < 2; ++t) {
+    if (sides[t].tree < 0) continue;
+    const int columns = topology_.trees[sides[t].tree].nv;
+    for (int column = 0; column < columns; ++column) {
+      const BodyKinematics::Change& change = sides[t].changes[column];
+      const Moved moved = t == 0 ? moved_a(change) : moved_b(change);
+      for (int s = 0; s < 2; ++s) {
+        if (sides[s].tree < 0) continue;
+        const Vec3& force = moved.wrench.translation;
+        const Vec3 moment = moved.wrench.rotation + Cross(sides[s].arm, force) +
+                            Cross(s == 0 ? moved.arm_a : moved.arm_b, wrench.translation);
+        double* block = matrix->Block(trees_[sides[s].tree].block, trees_[sides[t].tree].block);
+        for (std::size_t row = 0; row < sides[s].changes.size(); ++row) {
+          const BodyKinematics::Change& with = sides[s].changes[row];
+          const double f = Dot(with.spin, moment) + Dot(with.speed, force);
+          block[row * columns + column] -= (s == 0 ? h : -h) * f;
+        }
+      }
     }
   }
 }

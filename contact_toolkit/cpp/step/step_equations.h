@@ -67,8 +67,9 @@ class StepEquations {
   // all that moves it; and a speed that counts as none.
   double ContactChange(const StepIsland& island);
 
-  // dr/dv where forces were last evaluated, with slopes, at `v`: A + Σ J_relᵀ h (S P_rel + D J_rel)
-  // with P_rel the displacement by the velocities. A block per tree.
+  // dr/dv where forces were last evaluated, with slopes, at `v`: A less h times the derivative of
+  // the generalized forces, by poses and velocities alike. Without Symmetry::kNone what turns along
+  // with the bodies, the wrenches and their arms, counts as fixed. A block per tree.
   void Assemble(const StepIsland& island, std::span<const double> v, Symmetry symmetry,
                 BlockMatrix* matrix) const;
 
