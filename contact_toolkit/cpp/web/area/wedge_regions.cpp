@@ -134,8 +134,8 @@ double WedgeRegions::ClearOf(std::int32_t wedge, const Vec3& p) const {
   const double others =
       FindDistanceToOthers(mesh.bvh(), p, side_of, sides, 4 * (mesh.diagonal() + Norm(p)));
   double clear = BeyondOf(wedge).DistanceFrom(p, others);
-  // A side that comes as near is there all over the ball, as nothing ends it there; of one that does
-  // not, such as the end face of a gear in the gap between two teeth, there is only the plane.
+  // A side that comes as near is there all over the ball, as nothing ends it there; of one that
+  // does not, such as the end face of a gear in the gap between two teeth, there is only the plane.
   const double around = clear;
   for (const std::int32_t side : sides) {
     const double to_plane = std::abs(Dot(flats_->side(side).normal, p) - flats_->side(side).offset);
