@@ -22,8 +22,8 @@ def package_folder(name: str, place: str) -> Path:
         spec = find_spec(module)
         if spec is None or not spec.submodule_search_locations:
             raise NotInstalledError(
-                f"packages.{name}: {module} is not installed; pip install {module} (the extra "
-                "`models` of contact-toolkit has it)"
+                f"packages.{name}: {module} is not installed; pip install {module} (what scenarios "
+                "of the library need is in contact-toolkit[models])"
             )
         folder = Path(spec.submodule_search_locations[0], within)
     if not folder.is_dir():
