@@ -9,10 +9,10 @@ from rich.console import Console
 from rich.text import Text
 
 from contact_toolkit import MeshError
-from scenarios.format.errors import ScenarioError
+from scenarios.format.errors import NotInstalledError, ScenarioError
 from scenarios.format.loading import load
 from scenarios.format.scenario import Scenario
-from scenarios.judge.verdicts import ERROR, INTERRUPTED
+from scenarios.judge.verdicts import ERROR, INTERRUPTED, SKIPPED
 from scenarios.progress import run_with_progress
 from scenarios.report.report import (
     between_marks,
@@ -52,7 +52,8 @@ class Batch:
 
         Their results go to `out`/RESULTS.md, and between the marks of the document `table`.
 
-        What is wrong with any of them, or with its folder, is reported before the first is run.
+        What is wrong with any of them, or with its folder, is reported before the first is run;
+        one that needs a package which is not installed is skipped.
         """
         loaded = [load(name, self._overrides) for name in names]
         for name, _ in loaded:
@@ -65,6 +66,9 @@ class Batch:
         for name, scenario in loaded:
             try:
                 summaries.append(self._run(name, name, scenario, out / name))
+            except NotInstalledError as error:
+                self._console.print(Text(f"{name}: skipped: {error}"), soft_wrap=True)
+                summaries.append(Summary(name, verdict=SKIPPED, error=str(error)))
             except (ScenarioError, MeshError) as error:
                 self._complain(f"{error}")
                 summaries.append(Summary(name, verdict=ERROR, error=str(error)))
@@ -98,6 +102,8 @@ class Batch:
         except KeyboardInterrupt:
             self._complain(f"{wanted}: interrupted during set-up; nothing was kept")
             return Summary(name, verdict=INTERRUPTED)
+        except NotInstalledError:
+            raise
         except (ScenarioError, MeshError) as error:
             said = str(error)
             raise ScenarioError(

@@ -66,9 +66,17 @@ def parse_model(
     >>> plant.GetModelInstanceName(models[0])
     'arm'
     """
-    path = Path(path)
     if isinstance(parser, MultibodyPlant):
         parser = Parser(parser)
+    return parser.AddModels(str(readable_model(parser, Path(path), cache)))
+
+
+def readable_model(parser: Parser, path: Path, cache: str | Path | None = None) -> Path:
+    """Return a file that `parser` reads: `path`, or what `parse_model` has written in its place.
+
+    The parser is told of the package that the file is in. Parameters and errors are those of
+    `parse_model`.
+    """
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
     try:
@@ -80,10 +88,10 @@ def parse_model(
             name = _package_name(folder / "package.xml")
             if name and not parser.package_map().Contains(name):
                 parser.package_map().Add(name, str(folder))
-    folder = default_cache() if cache is None else Path(cache)
+    folder = (default_cache() if cache is None else Path(cache)).resolve()
     replaced = _Rewriter(path, root, parser, folder).run()
     if not replaced:
-        return parser.AddModels(str(path))
+        return path
     text = ET.tostring(root, encoding="unicode")
     _log.info("%s: %d meshes written as .obj into %s", path, replaced, folder)
     digest = hashlib.sha256(text.encode()).hexdigest()[:20]
@@ -92,7 +100,7 @@ def parse_model(
     partial = target.with_suffix(f".{os.getpid()}.tmp")
     partial.write_text(text)
     partial.replace(target)
-    return parser.AddModels(str(target))
+    return target
 
 
 class _Rewriter:

@@ -69,9 +69,12 @@ class Scenario:
         Drake's own; `time_step: 0` and runge_kutta3 unless said otherwise. Directives reach the
         generated parts as `package://parts/NAME.sdf`; other paths are relative to the file.
     packages
-        Further packages for `package://NAME/…`, name to folder, relative to the file.
+        Further packages for `package://NAME/…`, name to folder: relative to the file, or within an
+        installed Python package, as `python://MODULE/folder`.
     gravity
         (3,) in the world [m/s²].
+    without_gravity
+        Models that gravity does not act on, as robots compensate theirs.
     joints
         Joints between bodies beside those of the models, by name.
     drives
@@ -107,6 +110,7 @@ class Scenario:
     packages: dict[str, str] = dataclasses.field(default_factory=dict)
     directives: list[ModelDirective] = dataclasses.field(default_factory=list)
     gravity: np.ndarray = dataclasses.field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
+    without_gravity: list[str] = dataclasses.field(default_factory=list)
     joints: dict[str, Joint] = dataclasses.field(default_factory=dict)
     drives: dict[str, Drive] = dataclasses.field(default_factory=dict)
     initial_position: dict[str, dict[str, np.ndarray]] = dataclasses.field(default_factory=dict)

@@ -1,6 +1,7 @@
 """Figures that a scenario file defines itself: arithmetic over the columns of its time series.
 
-A column is a text, `"ball.z"`; it may be used only as the argument of a function:
+A column is a text, `"ball.z"`, and so is arithmetic of columns, `"ball.z" - "table.z"`, sample by
+sample. It may be used only as the first argument of a function of columns:
 
 start(c), end(c)      value at the beginning; mean over the acceptance window
 at(c, t)              value at a time
@@ -60,6 +61,29 @@ def check_expression(where: str, expression: str) -> None:
         raise ScenarioError(f"{where}: '{expression}' is not arithmetic: {error}") from error
     for node in ast.walk(tree):
         _check_node(where, expression, node)
+    if _is_column(where, tree):
+        raise ScenarioError(f"{where}: '{expression}' is a column, not a number; take {_TAKE}")
+
+
+_TAKE = "its end, mean, high or another function of a column"
+
+
+def _is_column(where: str, node: ast.AST) -> bool:
+    """Whether a value is a column; raises ScenarioError where it is not what a function takes."""
+    match node:
+        case ast.Constant(value=value):
+            return isinstance(value, str)
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            columns = [_is_column(where, argument) for argument in arguments]
+            if columns != [name in _COLUMN_FUNCTIONS, *[False] * (len(columns) - 1)]:
+                raise ScenarioError(
+                    f"{where}: {ast.unparse(node)}: {name} takes "
+                    + ("a column, then numbers" if name in _COLUMN_FUNCTIONS else "numbers")
+                )
+            return False
+        case _:
+            children = [_is_column(where, child) for child in ast.iter_child_nodes(node)]
+            return any(children)
 
 
 def _check_node(where: str, expression: str, node: ast.AST) -> None:
@@ -99,6 +123,8 @@ def evaluate(expression: str, record: Record, window: float) -> float:
 
 def _value(node: ast.AST, record: Record, window: float) -> Any:
     match node:
+        case ast.Constant(value=str(column)):
+            return record[column]
         case ast.Constant():
             return node.value
         case ast.Name():
@@ -115,8 +141,7 @@ def _value(node: ast.AST, record: Record, window: float) -> Any:
             arguments = [_value(argument, record, window) for argument in node.args]
             if name in _PLAIN:
                 return _PLAIN[name](*arguments)
-            column, *rest = arguments
-            return _COLUMN_FUNCTIONS[name](record["time"], record[column], window, *rest)
+            return _COLUMN_FUNCTIONS[name](record["time"], arguments[0], window, *arguments[1:])
     raise ValueError(ast.dump(node))
 
 

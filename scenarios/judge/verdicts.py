@@ -3,3 +3,4 @@
 PASSED, FAILED = "passed", "failed"
 INTERRUPTED, ERROR, UNJUDGED = "interrupted", "error", "not judged"
 TIMED_OUT = "timed out"
+SKIPPED = "skipped"  # what it needs is not installed

@@ -10,7 +10,7 @@ from typing import Any
 
 from scenarios.format.errors import ScenarioError
 from scenarios.judge.acceptance import Check
-from scenarios.judge.verdicts import PASSED, UNJUDGED
+from scenarios.judge.verdicts import PASSED, SKIPPED, UNJUDGED
 
 
 @dataclass
@@ -18,7 +18,8 @@ class Summary:
     """Figures, counts and verdict of one run. Times in [s].
 
     The verdict is "passed" or "failed" by the scenario's acceptance, "not judged" without one,
-    "interrupted" or "error" if the run did not finish; `error` says why, and also why figures that
+    "interrupted" or "error" if the run did not finish, "skipped" if what it needs is not installed;
+    `error` says why, and also why figures that
     a verdict needs do not exist.
     """
 
@@ -44,8 +45,8 @@ class Summary:
 
     @property
     def acceptable(self) -> bool:
-        """Whether the run finished and did not fail."""
-        return self.verdict in {PASSED, UNJUDGED}
+        """Whether the run did not fail."""
+        return self.verdict in {PASSED, UNJUDGED, SKIPPED}
 
     def save(self, folder: Path) -> None:
         """Write `summary.json` into a run folder."""

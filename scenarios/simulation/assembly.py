@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
+from urllib.parse import unquote, urlparse
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.common import RandomGenerator
 from pydrake.geometry import Meshcat
-from pydrake.multibody.parsing import ModelDirectives, Parser, ProcessModelDirectives
+from pydrake.multibody.parsing import (
+    ModelDirective,
+    ModelDirectives,
+    Parser,
+    ProcessModelDirectives,
+)
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant
 from pydrake.multibody.tree import Joint
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
@@ -21,12 +28,16 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from scenarios.format.errors import ScenarioError
 from scenarios.format.models import PACKAGE, write_models
+from scenarios.format.packages import package_folder
 from scenarios.format.scenario import Scenario
 from scenarios.simulation.contact_counts import ContactCounts
 from scenarios.simulation.drawings import add_drawings
 from scenarios.simulation.drives import JointDrives
 from scenarios.simulation.joints import add_joints
 from systems import AddNonlinearDamperContact, NonlinearDamperContact, SweptContactMonitor
+from systems.parse_model import readable_model
+
+_MODELS = {".sdf", ".urdf", ".xml"}  # files that name meshes
 
 
 @dataclass(frozen=True)
@@ -103,6 +114,8 @@ def assemble(
         plant.Finalize()
         drive_joints(builder, plant, scenario)
         contact = AddNonlinearDamperContact(builder, plant, scene_graph, config=scenario.contact)
+    except ScenarioError:
+        raise
     except (ValueError, RuntimeError) as error:  # Drake raises RuntimeError for all of its own
         raise ScenarioError(str(error)) from error
     if scenario.swept_monitor != "off":
@@ -135,13 +148,29 @@ def add_bodies(plant: MultibodyPlant, scenario: Scenario, folder: Path) -> None:
     write_models(scenario.parts, folder)
     parser = Parser(plant)
     parser.package_map().Add(PACKAGE, str(folder))
-    for name, path in scenario.packages.items():
-        if not Path(path).is_dir():
-            raise ScenarioError(f"packages.{name}: {path} is not a folder")
-        parser.package_map().Add(name, path)
-    ProcessModelDirectives(ModelDirectives(directives=scenario.directives), parser)
+    for name, place in scenario.packages.items():
+        parser.package_map().Add(name, str(package_folder(name, place)))
+    directives = [_readable(directive, parser, folder) for directive in scenario.directives]
+    ProcessModelDirectives(ModelDirectives(directives=directives), parser)
+    for name in scenario.without_gravity:
+        if not plant.HasModelInstanceNamed(name):
+            raise ScenarioError(f"without_gravity: no model is called '{name}'")
+        plant.set_gravity_enabled(plant.GetModelInstanceByName(name), is_enabled=False)
     plant.mutable_gravity_field().set_gravity_vector(scenario.gravity)
     add_joints(plant, scenario.joints, scenario.drives)
+
+
+def _readable(directive: ModelDirective, parser: Parser, folder: Path) -> ModelDirective:
+    """Return the directive with a model whose meshes Drake reads, in `folder` if it was not so."""
+    url = urlparse(directive.add_model.file if directive.add_model is not None else "")
+    if Path(url.path).suffix not in _MODELS or url.netloc == PACKAGE:
+        return directive
+    file = (
+        unquote(url.path) if url.scheme == "file" else parser.package_map().ResolveUrl(url.geturl())
+    )
+    changed = deepcopy(directive)
+    changed.add_model.file = readable_model(parser, Path(file), folder).resolve().as_uri()
+    return changed
 
 
 def drive_joints(builder: DiagramBuilder, plant: MultibodyPlant, scenario: Scenario) -> None:

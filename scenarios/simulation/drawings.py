@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import (
+    GeometryId,
     IllustrationProperties,
+    Mesh,
     Meshcat,
     MeshcatVisualizer,
     MeshcatVisualizerParams,
@@ -22,6 +24,7 @@ from scenarios.simulation.contact_playback import ContactPlayback
 from systems import NonlinearDamperContact
 
 ARROW = 0.6  # length of the arrow of the mean weight, relative to the mean body's radius
+_DRAWN = {".obj", ".gltf", ".glb", ".vtk"}  # mesh files that Meshcat draws
 _PLAIN = Rgba(0.6, 0.65, 0.7, 1.0)
 _VIEW = np.array([0.62, -0.68, 0.39])  # from where a scene is seen, a unit vector
 
@@ -71,17 +74,26 @@ def add_drawings(
 
 
 def draw_bare_collision_models(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
-    """Let bodies that have only collision geometry be seen by it."""
+    """Let bodies be seen by their collision geometry that have no other which Meshcat draws."""
     inspector = scene_graph.model_inspector()
-    bare = []
+
+    def drawn(geometry: GeometryId) -> bool:
+        shape = inspector.GetShape(geometry)
+        return not isinstance(shape, Mesh) or shape.source().extension() in _DRAWN
+
     for index in range(plant.num_bodies()):
         frame = plant.GetBodyFrameIdIfExists(BodyIndex(index))
-        if frame is not None and not inspector.GetGeometries(frame, Role.kIllustration):
-            bare += inspector.GetGeometries(frame, Role.kProximity)
-    for geometry in bare:
-        properties = IllustrationProperties()
-        properties.AddProperty("phong", "diffuse", _PLAIN)
-        scene_graph.AssignRole(plant.get_source_id(), geometry, properties)
+        if frame is None:
+            continue
+        shown = inspector.GetGeometries(frame, Role.kIllustration)
+        if any(map(drawn, shown)):
+            continue
+        for geometry in shown:  # their names may be those of the others
+            scene_graph.RemoveRole(plant.get_source_id(), geometry, Role.kIllustration)
+        for geometry in inspector.GetGeometries(frame, Role.kProximity):
+            properties = IllustrationProperties()
+            properties.AddProperty("phong", "diffuse", _PLAIN)
+            scene_graph.AssignRole(plant.get_source_id(), geometry, properties)
 
 
 def mean_weight(plant: MultibodyPlant) -> float:

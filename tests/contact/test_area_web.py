@@ -114,6 +114,17 @@ def test_p4_no_ghost_forces(field):
     assert experiments.sideways(field=field) < 1e-12
 
 
+@pytest.mark.parametrize("sampled", ["a", "b"])
+@pytest.mark.parametrize("field", FIELDS)
+def test_p4_teeth_in_gaps_are_not_in_the_material(field, sampled):
+    """Gears would jam (broken: planes of a tooth's end and tip taken to go on over the gap)."""
+    gears = [parts.involute_gear(teeth=teeth, backlash=1e-4, rows=2) for teeth in (16, 24)]
+    web = Web(*gears, 1e10, field=field, sampled=sampled)
+    for shafts, touches in ((0.0402, False), (0.0398, True)):
+        X_AB = pose([shafts, 0, 0], Rotation.from_rotvec([0, 0, np.pi / 24]).as_matrix())
+        assert (len(web.find(X_AB)["deformation"]) > 0) == touches
+
+
 @pytest.mark.parametrize("field", FIELDS)
 def test_p5_the_bodies_feel_opposite_wrenches(field):
     """Roles would change the answer (broken: the force's sign when B is sampled)."""

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from scenarios.batch import FAILED, PASSED, STOPPED, Batch
-from scenarios.format.errors import ScenarioError
+from scenarios.format.errors import NotInstalledError, ScenarioError
 from scenarios.report.summary import Summary
 
 NAMES = ["rock_n_stack", "rock_n_stack_unit", "rock_n_stack_energy"]
@@ -52,6 +52,22 @@ def test_the_table_goes_between_the_marks_of_a_document(batch):
     results = (batch.out / "RESULTS.md").read_text()
     marked = f"<!-- scenarios -->\n{results}<!-- /scenarios -->"
     assert document.read_text() == f"before\n{marked}\nafter\n"
+
+
+def test_what_needs_an_absent_package_is_skipped_among_all_and_refused_alone(batch, tmp_path):
+    """`run --all` would fail wherever the extra with robot models is not installed."""
+    absent = NotInstalledError("packages.arm: no_such_robot is not installed; pip install it")
+    assert batch("passed", absent, "passed").run_all(NAMES, batch.out) == PASSED
+    assert (
+        f"{NAMES[1]}: skipped: packages.arm: no_such_robot is not installed"
+        in batch.text.getvalue()
+    )
+    row = (batch.out / "RESULTS.md").read_text().splitlines()[3]
+    assert row.startswith(f"| `{NAMES[1]}`")
+    assert "no_such_robot" in row
+    assert "skipped" in row
+    with pytest.raises(ScenarioError, match="no_such_robot"):
+        batch(absent).run_one(NAMES[0], tmp_path / "alone")
 
 
 def test_a_document_without_marks_is_told_before_the_first_run(batch):

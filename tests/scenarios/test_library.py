@@ -2,6 +2,7 @@
 
 import pytest
 
+from scenarios.format.errors import NotInstalledError
 from scenarios.format.loading import library, load
 from scenarios.runner import run
 
@@ -19,7 +20,10 @@ TESTED_ELSEWHERE = {"rock_n_stack", "rock_n_stack_unit", "rock_n_stack_energy"}
 )
 def test_it_meets_its_truth(name, tmp_path):
     """Contact that no longer does what the closed form of this experiment says."""
-    summary = run(*load(name), tmp_path / "run")
+    try:
+        summary = run(*load(name), tmp_path / "run")
+    except NotInstalledError as error:
+        pytest.skip(str(error))
     assert summary.verdict == "passed", summary.checks
     assert summary.truth
 

@@ -129,10 +129,22 @@ KnownRegion WedgeRegions::Measure(const Vec3& p, double least) const {
 
 double WedgeRegions::ClearOf(std::int32_t wedge, const Vec3& p) const {
   const CollisionMesh& mesh = surface_->mesh();
+  const std::vector<std::int32_t>& side_of = flats_->flats().of_facet;
   const std::span<const std::int32_t> sides(wedges_[wedge].side.data(), wedges_[wedge].count);
-  const double others = FindDistanceToOthers(mesh.bvh(), p, flats_->flats().of_facet, sides,
-                                             4 * (mesh.diagonal() + Norm(p)));
-  return BeyondOf(wedge).DistanceFrom(p, others);
+  const double others =
+      FindDistanceToOthers(mesh.bvh(), p, side_of, sides, 4 * (mesh.diagonal() + Norm(p)));
+  double clear = BeyondOf(wedge).DistanceFrom(p, others);
+  // A side that comes as near is there all over the ball, as nothing ends it there; of one that
+  // does not, such as the end face of a gear in the gap between two teeth, there is only the plane.
+  const double around = clear;
+  for (const std::int32_t side : sides) {
+    const double to_plane = std::abs(Dot(flats_->side(side).normal, p) - flats_->side(side).offset);
+    if (to_plane >= clear) continue;
+    std::vector<std::int32_t> rest(sides.begin(), sides.end());
+    std::erase(rest, side);
+    if (FindDistanceToOthers(mesh.bvh(), p, side_of, rest, around) >= around) clear = to_plane;
+  }
+  return clear;
 }
 
 const WedgeRegions::Beyond& WedgeRegions::BeyondOf(std::int32_t index) const {
