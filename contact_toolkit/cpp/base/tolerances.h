@@ -181,6 +181,8 @@ inline constexpr double kStepRoundOff = 1e-5;
 inline constexpr int kStepIterations = 60, kStepRounds = 4;
 // Velocities from which Newton's method starts, one after the other while it fails.
 inline constexpr int kStepStarts = 4;
+// Of the residuals before, so many may still be surpassed when a search begins again.
+inline constexpr std::size_t kStepPatience = 8;
 // [-] Fraction of the decrease that the residual's slope promises which a step must bring; and the
 // shortest one that is tried, as a fraction of Newton's.
 inline constexpr double kStepDecrease = 1e-4, kShortestSearch = 1e-4;

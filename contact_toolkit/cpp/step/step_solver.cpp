@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <utility>
 
@@ -55,6 +56,8 @@ class StepSolver::Search {
     Phase phase = Phase::kSearching;
     StepStatus status = StepStatus::kConverged;
     double merit = 0;          // |r|²
+    bool patient = false;       // merits need only be below the largest of the last few
+    std::deque<double> passed;  // those
     double drive = 0;          // what the step does without contact
     double length = 1;         // of the present trial, as a share of the Newton step
     bool symmetric = false;    // take the symmetric part of Newton's matrix
@@ -120,7 +123,9 @@ class StepSolver::Search {
 
   // Whether it has to go on: from the velocities without contact or those of the last step,
   // whichever it has not been; from none, so that it comes upon surfaces from outside; from half of
-  // each of the first two. Keeps the best that it reached so far.
+  // each of the first two. Now with patience: where sticking turns to sliding, the way on may lead
+  // uphill for a while (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23(4), 1986). Keeps the
+  // best that it reached so far.
   bool Restart(Island* island, int attempt) {
     if (!Failed(*island)) return false;
     if (attempt == 1 || island->merit < island->best_merit) {
@@ -139,6 +144,8 @@ class StepSolver::Search {
     island->phase = Phase::kSearching;
     island->status = StepStatus::kConverged;
     island->symmetric = island->stuck = false;
+    island->patient = true;
+    island->passed.clear();
     return true;
   }
 
@@ -287,7 +294,11 @@ class StepSolver::Search {
   // Whether the island's trial ends its line search.
   bool Judge(Island* island) {
     const double merit = equations_.SetResidual(island->joined, trial_);
-    if (island->length > 0 && merit <= (1 - 2 * kStepDecrease * island->length) * island->merit) {
+    double bound = island->merit;
+    for (const double passed : island->passed) bound = std::max(bound, passed);
+    if (island->length > 0 && merit <= (1 - 2 * kStepDecrease * island->length) * bound) {
+      if (island->patient) island->passed.push_back(island->merit);
+      if (island->passed.size() > kStepPatience) island->passed.pop_front();
       island->merit = merit;
       island->symmetric = false;
       ForEachDof(*island, [&](int dof) { v_[dof] = trial_[dof]; });
