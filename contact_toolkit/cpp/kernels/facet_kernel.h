@@ -62,6 +62,8 @@ struct Edges {
       inverse[e] = InverseOrZero(squared[e]);
     }
   }
+
+  CT_INLINE V SquaredLongest() const { return Most(squared[0], Most(squared[1], squared[2])); }
 };
 
 // The spot at a share of an edge's length: one of its ends, if it is there.
@@ -208,20 +210,31 @@ struct CornersOver {
   // Not positive where the plane has corners on both sides, or touches one.
   CT_INLINE V OnBothSides() const { return Least(height[0] * height[1], height[1] * height[2]); }
 
-  // Whether the edge from corner i to corner k pierces the facet.
-  CT_INLINE auto Pierced(int i, int k) const {
+  // Whether the edge from corner i to corner k pierces the facet; surely, if no rounding between
+  // facets of a longest edge can have made it so.
+  template <bool surely = false>
+  CT_INLINE auto Pierced(int i, int k, V longest = V{}) const {
     const V at_i = Absolute(height[i]), at_k = Absolute(height[k]);
     V x[3];
     CT_UNROLL
     for (int f = 0; f < 3; ++f) x[f] = at_i * side[k][f] + at_k * side[i][f];
-    return (height[i] * height[k] < V{}) & (Least(x[0], Least(x[1], x[2])) >= V{});
+    const V inside = Least(x[0], Least(x[1], x[2]));
+    const auto through = height[i] * height[k] < V{};
+    if constexpr (surely) {
+      const V cube = longest * longest * longest, margin = Fill<V>(kProven) * cube;
+      return through & (Least(at_i, at_k) > margin) & (inside > margin * cube * longest);
+    } else {
+      return through & (inside >= V{});
+    }
   }
 };
 
 template <class V>
 struct Best {
   V s, t, spot_a, spot_b;
-  V care;  // kNeedsCare where the careful kernel is to be asked, else 0
+  // kNeedsCare where a more careful kernel is to be asked, else 0; from the careful one, where
+  // rounding might have made the facets cross.
+  V care;
 };
 
 template <class V, bool careful>
@@ -244,7 +257,7 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   // plane made of rounding, so the careful kernel looks in any case.
   auto may_cross = zero == zero;
   if constexpr (!careful) may_cross = Most(over_a.OnBothSides(), over_b.OnBothSides()) <= zero;
-  auto crossing = zero != zero;
+  auto crossing = zero != zero, needs_care = edges.needs_care;
   if (Any(may_cross)) {
     CT_UNROLL
     for (int e = 0; e < 3; ++e) {
@@ -253,9 +266,23 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     }
     crossing = crossing & may_cross;  // whatever the other lanes hold
   }
+  if constexpr (careful) {
+    if (Any(crossing)) {
+      const V longest = SquareRoot(Most(a.SquaredLongest(), b.SquaredLongest()));
+      auto surely = zero != zero;
+      for (int e = 0; e < 3; ++e) {
+        const int i = kEdgeBase[e], k = kEdgeEnd[e];
+        surely = surely | over_a.template Pierced<true>(i, k, longest) |
+                 over_b.template Pierced<true>(i, k, longest);
+      }
+      needs_care = crossing & !surely;
+    }
+  } else {
+    needs_care = needs_care & !crossing;
+  }
   return {best.s, best.t, Select(crossing, Fill<V>(kCrossing), best.spot_a),
           Select(crossing, Fill<V>(kCrossing), best.spot_b),
-          Select(edges.needs_care & !crossing, Fill<V>(kNeedsCare), zero)};
+          Select(needs_care, Fill<V>(kNeedsCare), zero)};
 }
 
 // A spot of facet P: where its points start from, and which way they go; a corner stays.
@@ -322,9 +349,10 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
         flagged_spot_a = flagged_spot_a + Select(certain, V{}, best.care);
       }
     } else if constexpr (care == Care::kProven) {
-      const auto proven =
-          ProvenByPlanes(A, B, b_point, apart, distance) & (best.spot_a < Fill<V>(kCrossing));
-      flagged_spot_a = flagged_spot_a + Select(proven, V{}, Fill<V>(kNeedsCare));
+      const auto apart_for_sure = ProvenByPlanes(A, B, b_point, apart, distance);
+      const V care_if_apart = Select(apart_for_sure, V{}, Fill<V>(kNeedsCare));
+      flagged_spot_a =
+          flagged_spot_a + Select(best.spot_a == Fill<V>(kCrossing), best.care, care_if_apart);
     }
     Store(pairs->distance + first, Select(best.spot_a == Fill<V>(kCrossing), V{}, distance));
     Store(pairs->spot_a + first, flagged_spot_a);
