@@ -88,14 +88,16 @@ def as_points(points: ArrayLike) -> Floats:
     return p
 
 
-def as_standoff(standoff: float) -> float:
-    """Return a standoff [m]; raise ValueError unless it is finite and at least 0."""
-    return _as_length("standoff", standoff)
+def as_standoff(standoff: float, name: str = "standoff") -> float:
+    """Return a length [m]; raise ValueError unless it is finite and at least 0."""
+    if not 0 <= standoff < math.inf:
+        raise ValueError(f"{name} must be a finite length of at least 0 m, not {standoff}")
+    return float(standoff)
 
 
 def as_separation(separation: float) -> float:
     """Return a separation [m]; raise ValueError unless it is finite and at least 0."""
-    return _as_length("separation", separation)
+    return as_standoff(separation, "separation")
 
 
 def as_upper_bound(upper_bound: float) -> float:
@@ -142,9 +144,3 @@ def _matrix(X: object) -> ArrayLike:
 def _matrices(X: object) -> ArrayLike:
     """Return poses as they are, or a list of Drake's as matrices."""
     return [_matrix(each) for each in X] if isinstance(X, list | tuple) else X  # type: ignore[return-value]
-
-
-def _as_length(name: str, length: float) -> float:
-    if not (math.isfinite(length) and length >= 0):
-        raise ValueError(f"{name} must be a finite length of at least 0 m, not {length}")
-    return float(length)

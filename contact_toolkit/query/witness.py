@@ -118,6 +118,8 @@ class WitnessPairs:
     The columns are read-only arrays: views of the rows, made whenever one is asked for.
     """
 
+    __slots__ = ("_rows",)
+
     def __init__(self, rows: _core.WitnessPairs) -> None:
         self._rows = rows
 

@@ -26,7 +26,8 @@ inline constexpr double kCullingSlack = 2e-6;
 // [-] A facet is thin when |n|² < kThinFacet · (longest edge)⁴, n the cross product of two edges:
 // below it the plane through the facet is less accurate than 1e-12. The careful kernel takes over,
 // and what it finds counts when planes prove it to the fraction kProven of (longest edge +
-// distance), the points being farther apart than kProvenApart of that; the rest is measured in
+// distance), the points being farther apart than kProvenApart of that, or when an edge pierces a
+// facet by more than kProven of what heights and sides over it could be; the rest is measured in
 // extended precision, fifty times as slowly.
 inline constexpr double kThinFacet = 1e-7;
 inline constexpr double kProven = 1e-12;

@@ -1,16 +1,15 @@
 // The distance between triangles, several pairs at once. Included by one source file per
 // instruction set, inside an unnamed namespace.
 //
-// The closest points lie on a corner and an edge (18 cases), inside two edges (9), on a corner and
-// inside a facet (6), or the facets cross (an edge pierces a facet: 6). The fast kernel solves edge
-// pairs with dot products and takes heights over planes for facet insides; where that loses
-// accuracy it asks for the careful one, in which every candidate is a pair of points of the two
-// facets whose difference is measured, so that rounding of its parameters enters the distance only
-// to second order. The fast kernel passes over nearly parallel edges, and asks unless the answer is
-// certain without them.
+// The closest points lie on edges, ends included (9 cases), on a corner and inside a facet (6), or
+// the facets cross (an edge pierces a facet: 6). The fast kernel ranks pairs of edges with dot
+// products and insides by heights over planes, then solves the winner anew from its own corners
+// alone, on which its points must depend only. Where that loses accuracy it asks for the careful
+// one, in which every candidate is a pair of points of the two facets whose difference is measured,
+// so that rounding of its parameters enters the distance only to second order. The fast kernel
+// passes over what nearly parallel edges have between their ends, and asks unless the answer is
+// certain without.
 #pragma once
-
-#include <type_traits>
 
 #include "base/tolerances.h"
 #include "kernels/certainty.h"
@@ -24,214 +23,302 @@ namespace {
 constexpr int kEdgeBase[3] = {0, 1, 0};
 constexpr int kEdgeEnd[3] = {1, 2, 2};
 
-// The nearest candidate of a kind so far. The two spots are packed into one number, and a kind that
-// has no s (or no t) does not carry it.
-template <class V, bool has_s, bool has_t>
-struct Race {
-  V squared_distance = Fill<V>(1e300), s{}, t{}, spots{};
+template <class V>
+CT_INLINE V InverseOrZero(V a) {
+  return Select(a > V{}, Fill<V>(1) / a, V{});
+}
 
-  template <class M>
-  CT_INLINE void Offer(M valid, V d2, V s_new, V t_new, int spot_a, int spot_b) {
-    Take(valid & (d2 < squared_distance), d2, s_new, t_new, Fill<V>(spot_a + 8 * spot_b));
-  }
-  CT_INLINE void Offer(V d2, V s_new, V t_new, int spot_a, int spot_b) {
-    Take(d2 < squared_distance, d2, s_new, t_new, Fill<V>(spot_a + 8 * spot_b));
-  }
-  template <bool s_of_other, bool t_of_other>
-  CT_INLINE void Challenge(const Race<V, s_of_other, t_of_other>& other) {
-    Take(other.squared_distance < squared_distance, other.squared_distance, other.s, other.t,
-         other.spots);
-  }
+// A share of an edge's length, kept on the edge.
+template <class V>
+CT_INLINE V Clamped(V share) {
+  return Most(V{}, Least(Fill<V>(1), share));
+}
 
- private:
-  template <class M>
-  CT_INLINE void Take(M better, V d2, V s_new, V t_new, V spots_new) {
+// The nearest candidate so far.
+template <class V>
+struct Nearest {
+  V squared_distance = Fill<V>(1e300), s{}, t{}, spot_a{}, spot_b{};
+
+  CT_INLINE void Offer(V d2, V s_new, V t_new, V spot_a_new, V spot_b_new) {
+    const auto better = d2 < squared_distance;
     squared_distance = Select(better, d2, squared_distance);
-    if constexpr (has_s) s = Select(better, s_new, s);
-    if constexpr (has_t) t = Select(better, t_new, t);
-    spots = Select(better, spots_new, spots);
+    s = Select(better, s_new, s);
+    t = Select(better, t_new, t);
+    spot_a = Select(better, spot_a_new, spot_a);
+    spot_b = Select(better, spot_b_new, spot_b);
+  }
+};
+
+template <class V>
+struct Edges {
+  Vec<V> along[3];
+  V squared[3], inverse[3];  // of the lengths
+
+  CT_INLINE explicit Edges(const Vec<V> (&P)[3]) {
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      along[e] = P[kEdgeEnd[e]] - P[kEdgeBase[e]];
+      squared[e] = Dot(along[e], along[e]);
+      inverse[e] = InverseOrZero(squared[e]);
+    }
+  }
+
+  CT_INLINE V SquaredLongest() const { return Most(squared[0], Most(squared[1], squared[2])); }
+};
+
+// The spot at a share of an edge's length: one of its ends, if it is there.
+template <class V>
+CT_INLINE V SpotOnEdge(V edge, V share) {
+  const V base = Select(edge == Fill<V>(1), Fill<V>(kOnCorner + 1), Fill<V>(kOnCorner));
+  const V end = Select(edge == V{}, Fill<V>(kOnCorner + 1), Fill<V>(kOnCorner + 2));
+  return Select(share <= V{}, base, Select(share >= Fill<V>(1), end, edge + Fill<V>(kOnEdge)));
+}
+
+// The edges of A against those of B.
+//
+// The share s at which two lines are closest, kept on its edge, is followed to the nearest t on the
+// other edge, and from there back. All nine pairs take each step together: their chains of
+// operations are long, and the processor looks only one or two such chains ahead.
+template <class V, bool careful>
+struct EdgePairs {
+  Nearest<V> nearest;
+  decltype(V{} < V{}) needs_care = V{} != V{};  // nearly parallel ones, passed over in part
+
+  // r[i][j]: from corner j of B to corner i of A.
+  CT_INLINE EdgePairs(const Edges<V>& a, const Edges<V>& b, const Vec<V> (&r)[3][3]) {
+    const V zero{}, one = Fill<V>(1);
+    V on_a[3], on_b[3];
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      on_a[e] = Dot(r[kEdgeBase[e]][0], a.along[e]);
+      on_b[e] = Dot(r[0][kEdgeBase[e]], b.along[e]);
+    }
+    // Of the vector between the edges' bases: its products with a's edge, and with b's.
+    V ab[3][3], p[3][3], q[3][3];
+    V s[3][3], t[3][3], skew[3][3], least_skew = one;  // not positive where parallel
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      CT_UNROLL
+      for (int f = 0; f < 3; ++f) {
+        ab[e][f] = Dot(a.along[e], b.along[f]);
+        p[e][f] = f == 1 ? on_a[e] - ab[e][0] : on_a[e];
+        q[e][f] = e == 1 ? on_b[f] + ab[0][f] : on_b[f];
+        const V scale = a.squared[e] * b.squared[f];
+        V nn, s_nn;
+        if constexpr (careful) {
+          const Vec<V> n = Cross(a.along[e], b.along[f]);
+          nn = Dot(n, n);
+          s_nn = -Dot(Cross(r[kEdgeBase[e]][kEdgeBase[f]], b.along[f]), n);
+          skew[e][f] = nn - Fill<V>(kParallel) * scale;
+        } else {
+          nn = scale - ab[e][f] * ab[e][f];
+          s_nn = ab[e][f] * q[e][f] - b.squared[f] * p[e][f];
+          skew[e][f] = nn - Fill<V>(kNearlyParallel) * scale;
+        }
+        least_skew = Least(skew[e][f], least_skew);
+        s[e][f] = Clamped(s_nn / nn);
+      }
+    }
+    const bool any_parallel = Any(least_skew <= zero);
+    if (any_parallel) {
+      // They are as close where one of them starts or ends: A's at its base, or at an end of B's.
+      for (int e = 0; e < 3; ++e) {
+        for (int f = 0; f < 3; ++f) {
+          const auto parallel = skew[e][f] <= zero;
+          s[e][f] = Select(parallel, zero, s[e][f]);
+          if constexpr (!careful) {
+            const Vec<V> n = Cross(a.along[e], b.along[f]);
+            const V scale = a.squared[e] * b.squared[f];
+            needs_care = needs_care | (parallel & (Dot(n, n) > Fill<V>(kParallel) * scale));
+          }
+        }
+      }
+    }
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      CT_UNROLL
+      for (int f = 0; f < 3; ++f) t[e][f] = Clamped((q[e][f] + s[e][f] * ab[e][f]) * b.inverse[f]);
+    }
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      CT_UNROLL
+      for (int f = 0; f < 3; ++f) s[e][f] = Clamped((t[e][f] * ab[e][f] - p[e][f]) * a.inverse[e]);
+    }
+    if (any_parallel) {
+      for (int e = 0; e < 3; ++e) {
+        for (int f = 0; f < 3; ++f) {
+          const auto within = (t[e][f] > zero) & (t[e][f] < one);
+          s[e][f] = Select((skew[e][f] <= zero) & within, zero, s[e][f]);
+        }
+      }
+    }
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      CT_UNROLL
+      for (int f = 0; f < 3; ++f) {
+        const Vec<V>& base = r[kEdgeBase[e]][kEdgeBase[f]];
+        const Vec<V> v = base + s[e][f] * a.along[e] - t[e][f] * b.along[f];
+        nearest.Offer(Dot(v, v), s[e][f], t[e][f], Fill<V>(e), Fill<V>(f));
+      }
+    }
+    nearest.spot_a = SpotOnEdge(nearest.spot_a, nearest.s);
+    nearest.spot_b = SpotOnEdge(nearest.spot_b, nearest.t);
+  }
+};
+
+// A facet and the corners of another one.
+template <class V, bool careful>
+struct CornersOver {
+  V height[3], side[3][3];  // of corner i over the plane; of its foot from edge f, inwards
+  V squared_distance = Fill<V>(1e300);
+  V u{}, v{}, corner{};  // the nearest foot within the facet, at (1 - u - v, u, v)
+
+  // r[i][f]: to corner i from corner f of the facet.
+  CT_INLINE CornersOver(const Edges<V>& edges, const Vec<V> (&r)[3][3]) {
+    const V zero{}, one = Fill<V>(1);
+    const Vec<V>&d0 = edges.along[0], &d2 = edges.along[2], n = Cross(d0, d2);
+    const V inverse = InverseOrZero(Dot(n, n));
+    CT_UNROLL
+    for (int f = 0; f < 3; ++f) {
+      // The third edge runs against the facet's sense of rotation.
+      const Vec<V> m = f == 2 ? Cross(edges.along[f], n) : Cross(n, edges.along[f]);
+      CT_UNROLL
+      for (int i = 0; i < 3; ++i) side[i][f] = Dot(r[i][kEdgeBase[f]], m);
+    }
+    CT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+      height[i] = Dot(r[i][0], n);
+      V d2_i, u_i = side[i][2] * inverse, v_i = side[i][0] * inverse;
+      if constexpr (careful) {
+        u_i = Clamped(u_i);
+        v_i = Most(zero, Least(one - u_i, v_i));
+        const Vec<V> apart = r[i][0] - u_i * d0 - v_i * d2;
+        d2_i = Dot(apart, apart);
+      } else {
+        d2_i = height[i] * height[i] * inverse;
+      }
+      const auto within = Least(side[i][0], Least(side[i][1], side[i][2])) > zero;
+      d2_i = Select(within, d2_i, Fill<V>(1e300));
+      const auto better = d2_i < squared_distance;
+      squared_distance = Select(better, d2_i, squared_distance);
+      u = Select(better, u_i, u);
+      v = Select(better, v_i, v);
+      corner = Select(better, Fill<V>(kOnCorner + i), corner);
+    }
+  }
+
+  // Not positive where the plane has corners on both sides, or touches one.
+  CT_INLINE V OnBothSides() const { return Least(height[0] * height[1], height[1] * height[2]); }
+
+  // Whether the edge from corner i to corner k pierces the facet; surely, if no rounding between
+  // facets of a longest edge can have made it so.
+  template <bool surely = false>
+  CT_INLINE auto Pierced(int i, int k, V longest = V{}) const {
+    const V at_i = Absolute(height[i]), at_k = Absolute(height[k]);
+    V x[3];
+    CT_UNROLL
+    for (int f = 0; f < 3; ++f) x[f] = at_i * side[k][f] + at_k * side[i][f];
+    const V inside = Least(x[0], Least(x[1], x[2]));
+    const auto through = height[i] * height[k] < V{};
+    if constexpr (surely) {
+      const V cube = longest * longest * longest, margin = Fill<V>(kProven) * cube;
+      return through & (Least(at_i, at_k) > margin) & (inside > margin * cube * longest);
+    } else {
+      return through & (inside >= V{});
+    }
   }
 };
 
 template <class V>
 struct Best {
   V s, t, spot_a, spot_b;
-  V care;  // kNeedsCare where the careful kernel is to be asked, else 0
+  // kNeedsCare where a more careful kernel is to be asked, else 0; from the careful one, where
+  // rounding might have made the facets cross.
+  V care;
 };
 
 template <class V, bool careful>
 CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
-  const V zero{}, one = Fill<V>(1);
-  Race<V, false, true> corners_a;
-  Race<V, true, false> corners_b;
-  Race<V, true, true> edges, insides, best;
-
-  Vec<V> r[3][3];  // from corner j of B to corner i of A
+  const V zero{};
+  Vec<V> to_a[3][3], to_b[3][3];  // from corners of the other facet
+  CT_UNROLL
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) r[i][j] = A[i] - B[j];
+    CT_UNROLL
+    for (int j = 0; j < 3; ++j) to_a[i][j] = A[i] - B[j], to_b[j][i] = B[j] - A[i];
   }
-  Vec<V> da[3], db[3];
-  V aa[3], bb[3], inv_aa[3], inv_bb[3];
-  for (int e = 0; e < 3; ++e) {
-    da[e] = A[kEdgeEnd[e]] - A[kEdgeBase[e]];
-    db[e] = B[kEdgeEnd[e]] - B[kEdgeBase[e]];
-    aa[e] = Dot(da[e], da[e]);
-    bb[e] = Dot(db[e], db[e]);
-    inv_aa[e] = Select(aa[e] > zero, one / aa[e], zero);
-    inv_bb[e] = Select(bb[e] > zero, one / bb[e], zero);
-  }
-  // r · d for every corner against every edge of the other facet.
-  V rb[3][3],
-      ra[3][3];  // rb[i][f] = (A_i − base of f) · db_f;  ra[j][e] = (base of e − B_j) · da_e
-  for (int i = 0; i < 3; ++i) {
-    for (int f = 0; f < 3; ++f) {
-      rb[i][f] = Dot(r[i][kEdgeBase[f]], db[f]);
-      ra[i][f] = Dot(r[kEdgeBase[f]][i], da[f]);
-    }
-  }
+  const Edges<V> a(A), b(B);
+  const EdgePairs<V, careful> edges(a, b, to_a);
+  const CornersOver<V, careful> over_b(b, to_a), over_a(a, to_b);
+  Nearest<V> best = edges.nearest;
+  best.Offer(over_b.squared_distance, over_b.u, over_b.v, over_b.corner, Fill<V>(kInside));
+  best.Offer(over_a.squared_distance, over_a.u, over_a.v, Fill<V>(kInside), over_a.corner);
 
-  // Corners against edges.
-  for (int f = 0; f < 3; ++f) {
-    for (int i = 0; i < 3; ++i) {
-      const V t = Most(zero, Least(one, rb[i][f] * inv_bb[f]));
-      const Vec<V> v = r[i][kEdgeBase[f]] - t * db[f];
-      corners_a.Offer(Dot(v, v), zero, t, kOnCorner + i, kOnEdge + f);
-    }
-    for (int j = 0; j < 3; ++j) {
-      const V s = Most(zero, Least(one, -ra[j][f] * inv_aa[f]));
-      const Vec<V> v = r[kEdgeBase[f]][j] + s * da[f];
-      corners_b.Offer(Dot(v, v), s, zero, kOnEdge + f, kOnCorner + j);
-    }
-  }
-
-  // Edges against edges.
-  auto needs_care = zero != zero;
-  for (int e = 0; e < 3; ++e) {
-    for (int f = 0; f < 3; ++f) {
-      const Vec<V>& r0 = r[kEdgeBase[e]][kEdgeBase[f]];
-      const V p = ra[kEdgeBase[f]][e], q = rb[kEdgeBase[e]][f];
-      const V ab = Dot(da[e], db[f]), scale = aa[e] * bb[f];
-      if constexpr (careful) {
-        const Vec<V> n = Cross(da[e], db[f]);
-        const V nn = Dot(n, n);
-        const auto valid = nn > Fill<V>(kParallel) * scale;
-        const V inverse = Select(valid, one / nn, zero);
-        V s = Most(zero, Least(one, -Dot(Cross(r0, db[f]), n) * inverse));
-        V t = Most(zero, Least(one, (q + s * ab) * inv_bb[f]));
-        s = Most(zero, Least(one, (t * ab - p) * inv_aa[e]));
-        const Vec<V> v = r0 + s * da[e] - t * db[f];
-        edges.Offer(valid, Dot(v, v), s, t, kOnEdge + e, kOnEdge + f);
-      } else {
-        const V nn = scale - ab * ab;
-        const V s_nn = ab * q - bb[f] * p, t_nn = aa[e] * q - ab * p;
-        auto valid = (s_nn > zero) & (s_nn < nn) & (t_nn > zero) & (t_nn < nn);
-        const auto nearly = nn < Fill<V>(kNearlyParallel) * scale;
-        if (Any(nearly)) {
-          // Parallel edges are as close at one of their corners; in between, dot products fail.
-          const Vec<V> n = Cross(da[e], db[f]);
-          needs_care = needs_care | (nearly & (Dot(n, n) > Fill<V>(kParallel) * scale));
-          valid = valid & !nearly;
-        }
-        const V inverse = one / nn;
-        const V s = s_nn * inverse, t = t_nn * inverse;
-        const Vec<V> v = r0 + s * da[e] - t * db[f];
-        edges.Offer(valid, Dot(v, v), s, t, kOnEdge + e, kOnEdge + f);
-      }
-    }
-  }
-
-  // Corners against insides. w[i][f]: on which side of edge f the foot of corner i lies.
-  const Vec<V> na = Cross(da[0], da[2]), nb = Cross(db[0], db[2]);
-  const V nna = Dot(na, na), nnb = Dot(nb, nb);
-  const V inv_nna = Select(nna > zero, one / nna, zero);
-  const V inv_nnb = Select(nnb > zero, one / nnb, zero);
-  V wb[3][3], wa[3][3], hb[3], ha[3];
-  for (int f = 0; f < 3; ++f) {
-    // Inwards: the third edge runs against the facet's sense of rotation.
-    const Vec<V> ma = f == 2 ? Cross(da[f], na) : Cross(na, da[f]);
-    const Vec<V> mb = f == 2 ? Cross(db[f], nb) : Cross(nb, db[f]);
-    for (int i = 0; i < 3; ++i) {
-      wb[i][f] = Dot(r[i][kEdgeBase[f]], mb);
-      wa[i][f] = -Dot(r[kEdgeBase[f]][i], ma);
-    }
-  }
-  for (int i = 0; i < 3; ++i) {
-    hb[i] = Dot(r[i][0], nb);
-    ha[i] = -Dot(r[0][i], na);
-    const auto inside_b = (wb[i][0] > zero) & (wb[i][1] > zero) & (wb[i][2] > zero);
-    const auto inside_a = (wa[i][0] > zero) & (wa[i][1] > zero) & (wa[i][2] > zero);
-    if constexpr (careful) {
-      // Barycentric coordinates of the foot on edges 0 and 2, kept within the facet.
-      const V u = Most(zero, Least(one, wb[i][2] * inv_nnb));
-      const V w = Most(zero, Least(one - u, wb[i][0] * inv_nnb));
-      const Vec<V> v = r[i][0] - u * db[0] - w * db[2];
-      insides.Offer(inside_b, Dot(v, v), u, w, kOnCorner + i, kInside);
-      const V ua = Most(zero, Least(one, wa[i][2] * inv_nna));
-      const V va = Most(zero, Least(one - ua, wa[i][0] * inv_nna));
-      const Vec<V> v2 = r[0][i] + ua * da[0] + va * da[2];
-      insides.Offer(inside_a, Dot(v2, v2), ua, va, kInside, kOnCorner + i);
-    } else {
-      insides.Offer(inside_b, hb[i] * hb[i] * inv_nnb, wb[i][2] * inv_nnb, wb[i][0] * inv_nnb,
-                    kOnCorner + i, kInside);
-      insides.Offer(inside_a, ha[i] * ha[i] * inv_nna, wa[i][2] * inv_nna, wa[i][0] * inv_nna,
-                    kInside, kOnCorner + i);
-    }
-  }
-
-  best.Challenge(corners_a);
-  best.Challenge(corners_b);
-  best.Challenge(edges);
-  best.Challenge(insides);
-
-  // Crossing: there is an edge from corner i to corner k that passes the other plane inside the
-  // facet. Not when a facet lies on one side of the other's plane; but a facet without area has
-  // only a plane made of rounding, so the careful kernel looks in any case.
-  auto on_both_sides = zero == zero;
-  if constexpr (!careful) {
-    on_both_sides = ((hb[0] * hb[1] <= zero) | (hb[1] * hb[2] <= zero)) &
-                    ((ha[0] * ha[1] <= zero) | (ha[1] * ha[2] <= zero));
-  }
-  auto crossing = zero != zero;
-  if (Any(on_both_sides)) {
+  // Not when a facet lies on one side of the other's plane; but a facet without area has only a
+  // plane made of rounding, so the careful kernel looks in any case.
+  auto may_cross = zero == zero;
+  if constexpr (!careful) may_cross = Most(over_a.OnBothSides(), over_b.OnBothSides()) <= zero;
+  auto crossing = zero != zero, needs_care = edges.needs_care;
+  if (Any(may_cross)) {
+    CT_UNROLL
     for (int e = 0; e < 3; ++e) {
       const int i = kEdgeBase[e], k = kEdgeEnd[e];
-      auto through_b = hb[i] * hb[k] < zero, through_a = ha[i] * ha[k] < zero;
-      const V bi = Absolute(hb[i]), bk = Absolute(hb[k]);
-      const V ai = Absolute(ha[i]), ak = Absolute(ha[k]);
-      for (int f = 0; f < 3; ++f) {
-        through_b = through_b & (bi * wb[k][f] + bk * wb[i][f] >= zero);
-        through_a = through_a & (ai * wa[k][f] + ak * wa[i][f] >= zero);
-      }
-      crossing = crossing | through_a | through_b;
+      crossing = crossing | over_a.Pierced(i, k) | over_b.Pierced(i, k);
     }
-    crossing = crossing & on_both_sides;  // whatever the other lanes hold
+    crossing = crossing & may_cross;  // whatever the other lanes hold
   }
-  // Rounds spots / 8 down: adding this number leaves no room for a fraction.
-  const V no_fraction = Fill<V>(std::is_same_v<V, long double> ? 0x1.8p63 : 0x1.8p52);
-  V spot_b = (best.spots * Fill<V>(0.125) - Fill<V>(0.4375) + no_fraction) - no_fraction;
-  V spot_a = best.spots - Fill<V>(8) * spot_b;
-  spot_a = Select(crossing, Fill<V>(kCrossing), spot_a);
-  spot_b = Select(crossing, Fill<V>(kCrossing), spot_b);
-  const V care = Select(needs_care & !crossing, Fill<V>(kNeedsCare), zero);
-  return {best.s, best.t, spot_a, spot_b, care};
+  if constexpr (careful) {
+    if (Any(crossing)) {
+      const V longest = SquareRoot(Most(a.SquaredLongest(), b.SquaredLongest()));
+      auto surely = zero != zero;
+      for (int e = 0; e < 3; ++e) {
+        const int i = kEdgeBase[e], k = kEdgeEnd[e];
+        surely = surely | over_a.template Pierced<true>(i, k, longest) |
+                 over_b.template Pierced<true>(i, k, longest);
+      }
+      needs_care = crossing & !surely;
+    }
+  } else {
+    needs_care = needs_care & !crossing;
+  }
+  return {best.s, best.t, Select(crossing, Fill<V>(kCrossing), best.spot_a),
+          Select(crossing, Fill<V>(kCrossing), best.spot_b),
+          Select(needs_care, Fill<V>(kNeedsCare), zero)};
 }
 
-// The point of facet P at a spot; `along` is its share of an edge. The ends of edges come out
-// exactly.
+// A spot of facet P: where its points start from, and which way they go; a corner stays.
 template <class V>
-CT_INLINE Vec<V> PointAt(const Vec<V> (&P)[3], V spot, V along, V s, V t) {
-  const auto on_corner1 = spot == Fill<V>(kOnCorner + 1),
-             on_corner2 = spot == Fill<V>(kOnCorner + 2);
-  const auto on_edge0 = spot == Fill<V>(kOnEdge), on_edge1 = spot == Fill<V>(kOnEdge + 1);
-  const auto on_edge2 = spot == Fill<V>(kOnEdge + 2), inside = spot == Fill<V>(kInside);
-  const Vec<V> base = Select(on_corner2, P[2], Select(on_corner1 | on_edge1, P[1], P[0]));
-  const Vec<V> end = Select(on_edge0 | inside, P[1], P[2]);
-  const auto moves = on_edge0 | on_edge1 | on_edge2 | inside;
-  const V zero{}, one = Fill<V>(1);
-  const V first = Select(inside, s, Select(moves, along, zero));
-  const V second = Select(inside, t, zero);
-  const Vec<V> point = base + first * (end - base) + second * (P[2] - P[0]);
-  return Select(moves & !inside & (along >= one), end, point);
+struct Spot {
+  decltype(V{} < V{}) on_edge, inside;
+  Vec<V> base, along, across;
+
+  CT_INLINE Spot(const Vec<V> (&P)[3], V spot) {
+    const auto at = [&](int where) { return spot == Fill<V>(where); };
+    const auto edge0 = at(kOnEdge), edge1 = at(kOnEdge + 1), edge2 = at(kOnEdge + 2);
+    on_edge = edge0 | edge1 | edge2;
+    inside = at(kInside);
+    base = Select(at(kOnCorner + 2), P[2], Select(at(kOnCorner + 1) | edge1, P[1], P[0]));
+    along = Select(edge0 | inside, P[1], Select(edge1 | edge2, P[2], base)) - base;
+    across = P[2] - P[0];
+  }
+
+  // The point at the share `share` of an edge, or the barycentric coordinates (1 - s - t, s, t).
+  CT_INLINE Vec<V> Point(V share, V s, V t) const {
+    return base + Select(inside, s, share) * along + Select(inside, t, V{}) * across;
+  }
+};
+
+// Solves what lies on corners and edges by those alone.
+template <class V>
+CT_INLINE void Solve(const Spot<V>& a, const Spot<V>& b, Best<V>* best) {
+  const Vec<V> r = a.base - b.base;
+  const V aa = Dot(a.along, a.along), bb = Dot(b.along, b.along), ab = Dot(a.along, b.along);
+  const V p = Dot(r, a.along), q = Dot(r, b.along);
+  const auto both = a.on_edge & b.on_edge, inside = a.inside | b.inside;
+  const V inverse = Fill<V>(1) / Select(both, aa * bb - ab * ab, aa + bb);
+  const V s = Clamped(Select(both, ab * q - bb * p, -p) * inverse);
+  const V t = Clamped(Select(both, aa * q - ab * p, q) * inverse);
+  best->s = Select(inside, best->s, Select(a.on_edge, s, V{}));
+  best->t = Select(inside, best->t, Select(b.on_edge, t, V{}));
 }
 
 template <class V, int lanes, Care care>
@@ -246,9 +333,11 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
     LoadFacets<V, lanes>(a, pairs->slot_a + first, A);
     LoadFacets<V, lanes>(b, pairs->slot_b + first, b_B);
     for (int c = 0; c < 3; ++c) B[c] = Posed(X, b_B[c]);
-    const Best<V> best = FacetDistance<V, care != Care::kFast>(A, B);
-    const Vec<V> a_point = PointAt(A, best.spot_a, best.s, best.s, best.t);
-    const Vec<V> b_point = PointAt(B, best.spot_b, best.t, best.s, best.t);
+    Best<V> best = FacetDistance<V, care != Care::kFast>(A, B);
+    const Spot<V> on_a(A, best.spot_a), on_b(B, best.spot_b);
+    if constexpr (care == Care::kFast) Solve(on_a, on_b, &best);
+    const Vec<V> a_point = on_a.Point(best.s, best.s, best.t);
+    const Vec<V> b_point = on_b.Point(best.t, best.s, best.t);
     const Vec<V> apart = a_point - b_point;
     const V distance = SquareRoot(Dot(apart, apart));
     const V inverse = Fill<V>(1) / distance;
@@ -260,9 +349,10 @@ void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPa
         flagged_spot_a = flagged_spot_a + Select(certain, V{}, best.care);
       }
     } else if constexpr (care == Care::kProven) {
-      const auto proven =
-          ProvenByPlanes(A, B, b_point, apart, distance) & (best.spot_a < Fill<V>(kCrossing));
-      flagged_spot_a = flagged_spot_a + Select(proven, V{}, Fill<V>(kNeedsCare));
+      const auto apart_for_sure = ProvenByPlanes(A, B, b_point, apart, distance);
+      const V care_if_apart = Select(apart_for_sure, V{}, Fill<V>(kNeedsCare));
+      flagged_spot_a =
+          flagged_spot_a + Select(best.spot_a == Fill<V>(kCrossing), best.care, care_if_apart);
     }
     Store(pairs->distance + first, Select(best.spot_a == Fill<V>(kCrossing), V{}, distance));
     Store(pairs->spot_a + first, flagged_spot_a);

@@ -16,11 +16,6 @@
 namespace contact_toolkit {
 namespace {
 
-template <class V>
-CT_INLINE V InverseOrZero(V a) {
-  return Select(a > V{}, Fill<V>(1) / a, V{});
-}
-
 // The foot on a facet of the point at r from its corner 0, in barycentric coordinates
 // (1 - u - w, u, w).
 template <class V>
@@ -55,14 +50,14 @@ struct ClosestPoints {
     } else if constexpr (corners_a == 1 && corners_b == 2) {
       const Vec<V> db = B[1] - B[0];
       const V bb = Dot(db, db);
-      const V t = Most(zero, Least(one, Dot(r, db) * InverseOrZero(bb)));
+      const V t = Clamped(Dot(r, db) * InverseOrZero(bb));
       b_point = B[0] + t * db;
       room_b = Room(t) * Room(t) * bb;
       scale_b = one;
     } else if constexpr (corners_a == 2 && corners_b == 1) {
       const Vec<V> da = A[1] - A[0];
       const V aa = Dot(da, da);
-      const V s = Most(zero, Least(one, -Dot(r, da) * InverseOrZero(aa)));
+      const V s = Clamped(-Dot(r, da) * InverseOrZero(aa));
       a_point = A[0] + s * da;
       room_a = Room(s) * Room(s) * aa;
       scale_a = one;

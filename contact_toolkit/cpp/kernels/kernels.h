@@ -38,7 +38,7 @@ inline constexpr int kNeedsCare = 64;  // added to spot_a: ask a more careful ke
 enum class Care {
   kFast,     // leaves kNeedsCare where it may not be accurate; facets must not be thin
   kCareful,  // for any facets that are not thin
-  kProven,   // careful, for thin facets: leaves kNeedsCare where planes do not prove the answer
+  kProven,   // careful, for thin facets: leaves kNeedsCare where the answer is not proven
 };
 
 // A chunk of facet pairs, structure of arrays: the kernel reads the slots and writes the rest.
@@ -134,7 +134,7 @@ struct Kernels {
                             FeatureWitness* witnesses, std::uint8_t* uncertain);
 };
 
-// The careful kernel in extended precision, one pair at a time: for thin facets that cross or
+// The careful kernel in extended precision, one pair at a time: for thin facets that graze or
 // touch, or whose planes double precision cannot tell well enough.
 void ThinFacetDistances(const double* a, const double* b, const double* X_AB, FacetPairs* pairs);
 

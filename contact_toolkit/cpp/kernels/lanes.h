@@ -23,6 +23,12 @@ using Float8 = float __attribute__((vector_size(32)));
 using Mask8 = std::int32_t __attribute__((vector_size(32)));
 
 #define CT_INLINE inline __attribute__((always_inline))
+// Before loops over corners and edges: left rolled up, they keep vectors in memory.
+#if defined(__clang__)
+#define CT_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define CT_UNROLL _Pragma("GCC unroll 4")
+#endif
 
 #if defined(__AVX512F__)
 // One instruction each, which GCC and Clang name differently; 4: rounding as the thread has it.
