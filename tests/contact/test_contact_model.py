@@ -458,7 +458,7 @@ def test_impossible_webs_are_refused_when_made(make, settings, complaint):
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
-        ({"web": "area"}, r"pair 0 \('body', 'ground'\): web must be an AreaWeb or a FacetWeb"),
+        ({"web": "area"}, r"pair 0 \('body', 'ground'\): web must be an AreaWeb, a FacetWeb or a"),
         ({"a": 2}, "pair 0 names geometry 2; there are 2"),
         ({"b": -1}, "pair 0 names geometry -1"),
         ({"b": 1}, "both are fixed to body 1; a body cannot touch itself"),
