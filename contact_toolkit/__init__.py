@@ -16,7 +16,7 @@ from contact_toolkit.contact.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.contact.floating_bodies import FloatingBodies
 from contact_toolkit.contact.friction import Friction
 from contact_toolkit.contact.materials import MATERIALS, Material, find_material
-from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb
+from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb, PointWeb
 from contact_toolkit.contact.step_solver import StepSolution, StepSolver
 from contact_toolkit.cspace.classify import (
     Classification,
@@ -90,6 +90,7 @@ __all__ = [
     "MeshSolid",
     "MotionClassification",
     "NonlinearDamper",
+    "PointWeb",
     "Shape",
     "SignedDistances",
     "StepSolution",

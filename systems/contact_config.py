@@ -55,8 +55,9 @@ class ContactLawConfig:
         Area web: foundation stiffness [Pa/mⁿ]; when unset, the hydroelastic moduli of the two
         geometries over their skins, in series. A geometry that was given a point contact stiffness
         and nothing else yields by that much force per depth under the weight of the lighter body.
-        Two rigid geometries have skins of 1e8 Pa, ten times Drake's default. Facet web: spring
-        constant [N/mⁿ]; when unset, the point contact stiffnesses, in series.
+        Two rigid geometries have skins of 1e8 Pa, ten times Drake's default. A sphere of less than
+        1 % of the smaller body's diagonal is a point, which bears on a circle with that radius.
+        Facet web: spring constant [N/mⁿ]; when unset, the point contact stiffnesses, in series.
     skin
         Thickness of the compliant skins [m]; unless set, that of a material which has one, and 1 %
         of the bounding box diagonal of the smaller body, with all that is welded to it.

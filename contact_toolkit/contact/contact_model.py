@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Sequence
 from weakref import WeakKeyDictionary
 
@@ -13,7 +14,7 @@ from contact_toolkit import _core
 from contact_toolkit.contact.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.contact.friction import Friction
 from contact_toolkit.contact.inside import require_inside, tell_of_repairs
-from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb
+from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb, PointWeb
 from contact_toolkit.query.arguments import as_pose, as_threads
 from contact_toolkit.shapes.mesh import CollisionMesh
 
@@ -110,7 +111,7 @@ class ContactModel:
                 native_pairs.append(_native_pair(pair, webs.make(pair)))
             except ValueError as error:
                 raise ValueError(f"{where}: {error}") from error
-        areas = [pair for pair in self._pairs if isinstance(pair.web, AreaWeb)]
+        areas = [pair for pair in self._pairs if isinstance(pair.web, AreaWeb | PointWeb)]
         touched = sorted({side for pair in areas for side in (pair.a, pair.b)})
         tell_of_repairs(tuple(self._geometries[side] for side in touched))
         native_geometries = [
@@ -285,7 +286,25 @@ class _Webs:
                     web.standoff,
                     _core.Weighting[web.weighting],
                 )
-        raise ValueError(f"web must be an AreaWeb or a FacetWeb, not {pair.web!r}")
+            case PointWeb() as web:
+                return self._point_web(pair, web)
+        raise ValueError(f"web must be an AreaWeb, a FacetWeb or a PointWeb, not {pair.web!r}")
+
+    def _point_web(self, pair: ContactPair, web: PointWeb) -> _core.PointWeb:
+        radii = {side: _radius_of(self._geometries[side].mesh) for side in (pair.a, pair.b)}
+        ball = min(radii, key=radii.__getitem__)
+        other = pair.b if ball == pair.a else pair.a
+        if not math.isfinite(radii[ball]):
+            raise ValueError("a PointWeb needs a sphere, CollisionMesh.from_primitive; use AreaWeb")
+        if pair.damper.n != 1:
+            raise ValueError(f"a PointWeb is linear, n = 1, not {pair.damper.n}; use AreaWeb")
+        if not self._geometries[other].mesh.solid.has_inside:
+            raise ValueError(
+                f"a PointWeb needs a solid beside the sphere, and geometry "
+                f"{self._geometries[other].name!r} has no inside; mend it, or use AreaWeb"
+            )
+        body = self._area_body(other)
+        return _core.PointWeb(ball == pair.a, radii[ball], body, pair.damper.k, web.standoff)
 
     def _mesh(self, geometry: int) -> _core.Mesh:
         return self._geometries[geometry].mesh._core
@@ -295,6 +314,12 @@ class _Webs:
         if mesh not in _area_bodies:
             _area_bodies[mesh] = mesh._area_body()
         return _area_bodies[mesh]
+
+
+def _radius_of(mesh: CollisionMesh) -> float:
+    """Return the radius [m] of a primitive sphere; infinite of what is none."""
+    primitive = mesh.primitive
+    return primitive.size[0] if primitive and primitive.kind == "sphere" else math.inf
 
 
 def _native_geometry(geometry: ContactGeometry, body: int) -> _core.ContactGeometry:

@@ -46,7 +46,7 @@ class ContactPair:
     damper
         The law of the springs; its `k` in the unit the web asks for.
     web
-        Where the springs are: an `AreaWeb` (the default) or a `FacetWeb`.
+        Where the springs are: an `AreaWeb` (the default), a `FacetWeb` or a `PointWeb`.
     friction
         Between the two surfaces; none unless given.
     """

@@ -1,4 +1,4 @@
-"""AreaWeb and FacetWeb: where the springs between two geometries are, and what is asked of them."""
+"""The spring webs: where the springs between two geometries are, and what is asked of them."""
 
 from __future__ import annotations
 
@@ -111,7 +111,39 @@ class FacetWeb:
         _require_choice("weighting", self.weighting, ("multiplicity", "unit"))
 
 
-SpringWeb = AreaWeb | FacetWeb
+@dataclass(frozen=True)
+class PointWeb:
+    """One spring at the centre of a small sphere; the spring constant is in [N/m], linear.
+
+    For balls that stand for points: F = k (standoff + r - φ), with φ the other body's exact signed
+    distance of the centre, through which the force acts. One geometry must be a primitive sphere,
+    the other a solid; of two spheres the smaller one is the point.
+
+    Parameters
+    ----------
+    standoff
+        Distance [m] at which contact begins, at least 0.
+
+    Raises
+    ------
+    ValueError
+        Naming the parameter out of range.
+
+    Examples
+    --------
+    >>> from contact_toolkit import ContactPair, NonlinearDamper, PointWeb
+    >>> ContactPair(0, 1, NonlinearDamper(k=1e5), PointWeb()).web.standoff
+    0.0
+    """
+
+    standoff: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.standoff) and self.standoff >= 0):
+            raise ValueError(f"standoff must be finite and not negative, not {self.standoff}")
+
+
+SpringWeb = AreaWeb | FacetWeb | PointWeb
 
 
 def _require_choice(name: str, value: str, choices: tuple[str, ...]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenarios.parts.csg import moved, union
+from contact_toolkit.shapes.csg import moved, union
 from scenarios.parts.solids import box
 from scenarios.parts.surface import Surface, prism, require, revolve
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.parts.csg import moved, union
+from contact_toolkit.shapes.csg import moved, union
 from scenarios.parts.spheres import icosphere
 from scenarios.parts.surface import Surface, prism, require, strips
 

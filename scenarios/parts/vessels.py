@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.parts.csg import difference, moved, union
+from contact_toolkit.shapes.csg import difference, moved, union
 from scenarios.parts.solids import box
 from scenarios.parts.surface import Surface, loft, polygon, require, revolve
 

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
-from contact_toolkit import AreaWeb, ContactArrays, ContactModel, ContactStatus, FacetWeb, Forces
+from contact_toolkit import (
+    AreaWeb,
+    ContactArrays,
+    ContactModel,
+    ContactStatus,
+    FacetWeb,
+    Forces,
+    PointWeb,
+)
 from systems.diagnostics.accepted_step import AcceptedStep, Poses
 from systems.diagnostics.chatter import Chatter, Streak
 from systems.diagnostics.contact_frequency import ContactFrequency
@@ -27,6 +35,9 @@ _WORSE = 1.5
 
 _MEANING = {
     (AreaWeb, ContactStatus.BEYOND_CAPTURE): (
+        "one is in deeper than half the other's thickness, and may be pushed out the wrong way"
+    ),
+    (PointWeb, ContactStatus.BEYOND_CAPTURE): (
         "one is in deeper than half the other's thickness, and may be pushed out the wrong way"
     ),
     (AreaWeb, ContactStatus.CROSSED): (

@@ -34,6 +34,8 @@ from systems.plant.mesh_source import read_mesh_source, surface_of
 from systems.plant.pairs import GeometryPair
 from systems.plant.proximity_material import ProximityMaterial, read_material
 
+_POINT = 1e-9  # [m] radius of what is given as a point, a sphere of none
+
 
 @dataclass(frozen=True)
 class ImportedGeometry:
@@ -157,7 +159,7 @@ class GeometryImporter:
             case Box():
                 return Primitive("box", tuple(shape.size()))
             case Sphere():
-                return Primitive("sphere", (shape.radius(),))
+                return Primitive("sphere", (max(shape.radius(), _POINT),))
             case Cylinder():
                 return Primitive("cylinder", (shape.radius(), shape.length()))
             case Capsule():

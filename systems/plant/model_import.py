@@ -18,6 +18,7 @@ from systems.plant.pair_stiffness import Side
 from systems.plant.pair_web import require_keys_of_web, web_name
 from systems.plant.pairs import GeometryPair
 from systems.plant.proximity_material import ProximityMaterial, library_material
+from systems.plant.seams import unite_seams
 from systems.plant.whole_bodies import WholeBodies
 
 
@@ -45,6 +46,7 @@ def import_contact_model(
         names.find(body, "materials"): _material(body, material)
         for body, material in config.materials.items()
     }
+    geometries, pairs = unite_seams(geometries, pairs, materials)
     whole_bodies = WholeBodies(
         plant, ((each.body, each.mesh, each.X_BG) for each in geometries.values())
     )

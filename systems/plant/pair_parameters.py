@@ -8,7 +8,7 @@ from typing import Any
 
 from contact_toolkit import ContactPair, Friction, NonlinearDamper
 from systems.contact_config import ContactLawConfig, FrictionConfig
-from systems.plant.pair_stiffness import Side, foundation_stiffness, nominal_load
+from systems.plant.pair_stiffness import Side, foundation_stiffness, nominal_load, point_area
 from systems.plant.pair_web import make_web, web_name
 from systems.plant.proximity_material import ProximityMaterial
 
@@ -25,8 +25,9 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
     Raises ValueError for values that make no sense, and where one is needed that nothing tells.
     """
     weights = [side.whole.weight for side in (a, b) if side.whole.weight > 0]
-    web = make_web(law, weight=min(weights, default=math.inf))
     n = 1.0 if law.n is None else law.n
+    area = point_area(a, b) if web_name(law) == "area" and n == 1 else None
+    web = make_web(law, weight=min(weights, default=math.inf), point=area is not None)
     damper = NonlinearDamper(
         k=_stiffness(a, b, web_name(law), n, law.skin) if law.k is None else law.k,
         alpha=2 / 3 * _dissipation(a.material, b.material) if law.alpha is None else law.alpha,
@@ -37,7 +38,7 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
     )
     friction = _friction(a.material, b.material, law.friction)
     if web_name(law) == "area" and n == 1:
-        swing = _Swing(a, b, damper.k)
+        swing = _Swing(a, b, damper.k, area)
         speed = USUAL_SETTLING if law.settling is None else law.settling
         if speed * damper.alpha > 0:
             smallest = swing.smallest(speed, damper.alpha)
@@ -46,6 +47,8 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
             friction = dataclasses.replace(
                 friction, damping=swing.friction(friction.stiffness_ratio)
             )
+    if area is not None:
+        damper = dataclasses.replace(damper, k=damper.k * area)
     return ContactPair(a.index, b.index, damper, web, friction)
 
 
@@ -69,8 +72,9 @@ class _Swing:
     nodes that are unloaded in turn; stacks sway.
     """
 
-    def __init__(self, a: Side, b: Side, k: float) -> None:
-        area = min(side.mesh.diagonal for side in (a, b)) ** 2 / 3  # of a cube's face
+    def __init__(self, a: Side, b: Side, k: float, area: float | None) -> None:
+        if area is None:
+            area = min(side.mesh.diagonal for side in (a, b)) ** 2 / 3  # of a cube's face
         self.frequency = math.sqrt(k * area * _GRAVITY / nominal_load(a, b))
 
     def smallest(self, settling: float, alpha: float) -> float:

@@ -77,6 +77,25 @@ def foundation_stiffness(a: Side, b: Side, skin: float | None) -> float:
     return 1 / flexibility
 
 
+def point_area(a: Side, b: Side) -> float | None:
+    """Return the area [m²] on which a point bears; None where neither geometry stands for one.
+
+    A sphere smaller than the skin of the smaller whole body is a point. It presses on as much of
+    the foundation as a flat punch as wide as the skin is thick.
+    """
+    skin = SKIN * min(a.whole.diagonal, b.whole.diagonal)
+    for side, other in ((a, b), (b, a)):
+        primitive = side.mesh.primitive
+        if (
+            primitive is not None
+            and primitive.kind == "sphere"
+            and primitive.size[0] < skin
+            and other.mesh.solid.has_inside
+        ):
+            return math.pi * skin**2
+    return None
+
+
 def nominal_load(a: Side, b: Side) -> float:
     """Return the weight of the lighter body [N], of what has one."""
     weight = min(a.whole.weight, b.whole.weight)
@@ -84,6 +103,8 @@ def nominal_load(a: Side, b: Side) -> float:
 
 
 def _foundation_of_point(a: Side, b: Side, k_point: float, skin: float) -> float:
+    if (area := point_area(a, b)) is not None:
+        return k_point / area
     smaller = min(a, b, key=lambda side: side.mesh.diagonal)
     load = nominal_load(a, b)
     stiffness = load / _largest_yield(smaller.mesh, load / k_point)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from contact_toolkit import AreaWeb, FacetWeb
+from contact_toolkit import AreaWeb, FacetWeb, PointWeb
+from contact_toolkit.contact.spring_webs import SpringWeb
 from systems.contact_config import ContactLawConfig
 
 # Keys that only one web has; the other webs' pairs do without them.
@@ -34,12 +35,15 @@ def require_keys_of_web(given: ContactLawConfig, web: str) -> None:
             )
 
 
-def make_web(law: ContactLawConfig, weight: float) -> AreaWeb | FacetWeb:
+def make_web(law: ContactLawConfig, weight: float, *, point: bool) -> SpringWeb:
     """Return the web with what the settings say of it; raise ValueError for what makes no sense.
 
     `weight` [N]: of the lighter body, which the contact usually bears; infinite where unknown.
+    `point`: one geometry stands for a point, which takes the place of an area.
     """
     name = web_name(law)
+    if point:
+        return PointWeb(law.standoff or 0.0)
     settings = {key: getattr(law, key) for key in ("standoff", *_KEYS_OF[name])}
     given = {key: value for key, value in settings.items() if value is not None}
     if name == "area":

@@ -161,13 +161,13 @@ def test_untagged_table_touches_whatever_lies_on_it(tags):
     assert OnTable(cube(), tags(), untagged()).force_at(SIDE / 2 - 1e-4) > 0
 
 
-@pytest.mark.parametrize("bodies", [1, 2])
+@pytest.mark.parametrize("bodies", [1, 2, 8])
 def test_stiffness_does_not_depend_on_how_an_object_was_cut(bodies: int):
     """A mug of eight convex pieces would be twice as stiff as the same mug in one."""
     (whole,) = OnTable(cube(), untagged(), untagged()).contact.model.pairs
     pieces = OnTable(cube_of_eight(), untagged(), untagged(), bodies=bodies).contact.model.pairs
-    assert len(pieces) == 8
-    np.testing.assert_allclose([pair.damper.k for pair in pieces], whole.damper.k, rtol=1e-12)
+    assert len(pieces) == bodies  # those of one body are one solid
+    np.testing.assert_allclose([pair.damper.k for pair in pieces], whole.damper.k, rtol=1e-9)
 
 
 def test_a_dissipation_that_nobody_chose_bounces_like_the_parts_of_a_robot():

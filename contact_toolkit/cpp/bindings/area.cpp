@@ -4,6 +4,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "bindings/arrays.h"
+#include "web/area/point_web.h"
 
 namespace contact_toolkit {
 namespace {
@@ -78,6 +79,9 @@ void BindArea(nb::module_& m) {
       .def_prop_ro("spacing", &AreaWeb::spacing)
       .def_prop_ro("cell", &AreaWeb::cell)
       .def_prop_ro("capture_depth", &AreaWeb::capture_depth);
+  nb::class_<PointWeb, SpringWeb>(m, "PointWeb")
+      .def(nb::init<bool, double, const AreaBody&, double, double>(), nb::arg("ball_is_a"),
+           nb::arg("radius"), nb::arg("other"), nb::arg("stiffness"), nb::arg("standoff"));
 }
 
 }  // namespace contact_toolkit

@@ -288,6 +288,9 @@ lost
     Their sum [J].
 forces
     At the end of the step, as the next one starts with; None before the first.
+apart
+    Pairs, ascending, whose boxes are in reach of each other and which are known to bear nothing:
+    they are not searched until they may have come near.
 )";
 
 void BindLoadedSprings(nb::module_& m) {
@@ -456,7 +459,12 @@ void BindContactState(nb::module_& m) {
       .def_prop_ro(
           "forces",
           [](const ContactState& self) { return std::const_pointer_cast<Forces>(self.forces); },
-          nb::sig("def forces(self) -> Forces | None"));
+          nb::sig("def forces(self) -> Forces | None"))
+      .def_prop_ro("apart", [](const ContactState& self) {
+        std::vector<std::int32_t> pairs;
+        for (const Separation& apart : self.separations) pairs.push_back(apart.pair);
+        return ToNumpy<std::int32_t>(std::move(pairs));
+      });
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "contact/anchor_update.h"
 #include "contact/broad_phase.h"
 #include "math/hermite_motion.h"
+#include "math/motion_bound.h"
 
 namespace contact_toolkit {
 namespace {
@@ -55,6 +56,16 @@ Pose ContactModel::PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) c
   return RelativePose(a.X_BG, RelativePose(X_FB[a.body], X_FB[b.body]) * b.X_BG);
 }
 
+double ContactModel::Moved(const ContactPair& pair, const Pose& before_X_AB,
+                           const Pose& X_AB) const {
+  const auto around = [](const CollisionMesh& mesh) {
+    return Sphere{0.5 * (mesh.lower() + mesh.upper()), 0.5 * mesh.diagonal()};
+  };
+  const Sphere a = around(*geometries_[pair.a].mesh), b = around(*geometries_[pair.b].mesh);
+  return a.radius < b.radius ? MotionAround(a, Inverse(before_X_AB), Inverse(X_AB))
+                             : MotionAround(b, before_X_AB, X_AB);
+}
+
 Twist ContactModel::MotionOf(const ContactPair& pair, std::span<const Pose> X_FB,
                              std::span<const Twist> V_FB) const {
   const ContactGeometry &a = geometries_[pair.a], &b = geometries_[pair.b];
@@ -79,6 +90,11 @@ void ContactModel::FindPair(int index, std::span<const Pose> X_FB, const Contact
   found->X_AB = PoseOf(pair, X_FB);
   found->springs.withheld = state ? state->Withheld(index) : 0;
   if (std::isinf(found->springs.withheld)) {
+    found->springs.clear();
+    return;
+  }
+  const Separation* apart = state ? state->SeparationOf(index) : nullptr;
+  if (apart && Moved(pair, apart->X_AB, found->X_AB) <= apart->clearance) {
     found->springs.clear();
     return;
   }
@@ -127,9 +143,13 @@ std::shared_ptr<LoadedSprings> ContactModel::FindLoaded(std::span<const Pose> X_
   });
   loaded->size = 0;
   loaded->num_springs = 0;
+  loaded->idle.clear();
   for (std::size_t i = 0; i < near.size(); ++i) {
     const SpringSet& springs = loaded->pairs[i].springs;
-    if (springs.size() == 0 && springs.status == kNominal) continue;
+    if (springs.size() == 0 && springs.status == kNominal) {
+      loaded->idle.push_back(near[i]);
+      continue;
+    }
     loaded->num_springs += springs.size();
     if (loaded->size != i) std::swap(loaded->pairs[loaded->size], loaded->pairs[i]);
     ++loaded->size;
@@ -384,9 +404,33 @@ std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, doub
     pair_state.memory = pair.web->Remember(entry.springs, last_X_AB, entry.X_AB, pair_state.memory);
     next->pairs[i] = std::move(pair_state);
   });
+  next->separations = Separations(state, *forces->loaded);
   next->forces = std::move(forces);
   *dragged = changed;
   return next;
+}
+
+std::vector<Separation> ContactModel::Separations(const ContactState& state,
+                                                  const LoadedSprings& loaded) const {
+  std::vector<Separation> all(loaded.idle.size());
+  ParallelFor(static_cast<int>(all.size()), threads_, [&](int i, int) {
+    Separation& apart = all[i];
+    apart.pair = loaded.idle[i];
+    apart.clearance = 0;
+    if (state.Withheld(apart.pair) > 0) return;  // it may overlap
+    const ContactPair& pair = pairs_[apart.pair];
+    apart.X_AB = PoseOf(pair, loaded.X_FB);
+    const Forces* last = state.forces.get();
+    const double moved = last ? Moved(pair, PoseOf(pair, last->loaded->X_FB), apart.X_AB) : 0;
+    const Separation* before = state.SeparationOf(apart.pair);
+    if (before && Moved(pair, before->X_AB, apart.X_AB) + moved <= before->clearance) {
+      apart = *before;
+    } else if (const double bound = pair.web->Clearance(apart.X_AB, moved); bound > moved) {
+      apart.clearance = bound;
+    }
+  });
+  std::erase_if(all, [](const Separation& apart) { return !(apart.clearance > 0); });
+  return all;
 }
 
 }  // namespace contact_toolkit

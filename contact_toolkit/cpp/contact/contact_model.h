@@ -93,6 +93,10 @@ class ContactModel {
 
   // Pose of a pair's geometry B in its geometry A.
   Pose PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const;
+  // [m] No point of the smaller geometry moves farther, relative to the other.
+  double Moved(const ContactPair& pair, const Pose& before_X_AB, const Pose& X_AB) const;
+  // Of the idle pairs, those of which it is worth knowing.
+  std::vector<Separation> Separations(const ContactState& state, const LoadedSprings& loaded) const;
   std::shared_ptr<ContactState> Next(const ContactState& state, double time,
                                      std::shared_ptr<const Forces> forces, bool* dragged) const;
   // Powers integrated over the step from the state's to `end`: by Simpson's rule, which takes one

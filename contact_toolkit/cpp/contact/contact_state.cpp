@@ -9,4 +9,9 @@ PairState ContactState::StateOf(int pair) const {
   return it != pairs.end() && it->pair == pair ? *it : PairState{pair, nullptr, nullptr};
 }
 
+const Separation* ContactState::SeparationOf(int pair) const {
+  const auto it = std::ranges::lower_bound(separations, pair, {}, &Separation::pair);
+  return it != separations.end() && it->pair == pair ? &*it : nullptr;
+}
+
 }  // namespace contact_toolkit

@@ -9,6 +9,7 @@
 #include "contact/anchors.h"
 #include "contact/easing.h"
 #include "contact/forces.h"
+#include "contact/separation.h"
 #include "web/spring_web.h"
 
 namespace contact_toolkit {
@@ -27,6 +28,7 @@ struct ContactState : std::enable_shared_from_this<ContactState> {
   double time = -std::numeric_limits<double>::infinity();
   std::shared_ptr<const Forces> forces;
   std::vector<PairState> pairs;          // ascending
+  std::vector<Separation> separations;   // likewise, of other pairs
   std::shared_ptr<const Easing> easing;  // null: every deformation is felt in full
   // [J] Lost since the first step.
   double damping_loss = 0, friction_loss = 0;
@@ -34,6 +36,8 @@ struct ContactState : std::enable_shared_from_this<ContactState> {
 
   // What is kept of a pair; null pointers if nothing.
   PairState StateOf(int pair) const;
+  // How far apart it is; null if that is not known.
+  const Separation* SeparationOf(int pair) const;
 
   // [m] What is not felt of a pair's deformation.
   double Withheld(int pair) const { return easing ? easing->Withheld(pair, time) : 0; }

@@ -23,6 +23,7 @@ struct LoadedSprings : std::enable_shared_from_this<LoadedSprings> {
   std::vector<Pose> X_FB;          // the body poses it was found at
   std::vector<PairSprings> pairs;  // pairs with springs or a status, by ascending pair index
   std::size_t size = 0;
+  std::vector<int> idle;  // pairs in reach without either, ascending
   std::size_t num_springs = 0;
 
   void Retire() {}

@@ -31,6 +31,9 @@ struct Primitive {
     Vec3 gradient;  // unit; where several features are equally close, that of one of them
   };
   Distance At(const Vec3& p) const;
+  // [m] Nowhere in a triangle is phi less: of a convex body it is a convex function, so it lies
+  // above its tangent at p.
+  double LeastOver(const std::array<Vec3, 3>& corners, const Vec3& p) const;
   // [1/m] Its second derivatives: xx, yy, zz, xy, xz, yz.
   std::array<double, 6> CurvatureAt(const Vec3& p) const;
 
@@ -80,6 +83,12 @@ inline Primitive::Distance Primitive::At(const Vec3& p) const {
     default:
       return {p.z, {0, 0, 1}};
   }
+}
+
+inline double Primitive::LeastOver(const std::array<Vec3, 3>& corners, const Vec3& p) const {
+  const auto [phi, gradient] = At(p);
+  const auto rise = [&, g = gradient](const Vec3& corner) { return Dot(g, corner - p); };
+  return phi + std::min({rise(corners[0]), rise(corners[1]), rise(corners[2])});
 }
 
 inline std::array<double, 6> Primitive::CurvatureAt(const Vec3& p) const {

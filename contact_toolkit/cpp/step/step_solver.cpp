@@ -327,6 +327,7 @@ class StepSolver::Search {
     loaded->X_FB = equations_.X_FB();
     loaded->size = 0;
     loaded->num_springs = 0;
+    loaded->idle.clear();
     std::vector<StepWork>& works = equations_.works();
     if (loaded->pairs.size() < works.size()) loaded->pairs.resize(works.size());
     forces->springs.clear();
@@ -335,7 +336,10 @@ class StepSolver::Search {
     forces->pairs.clear();
     for (StepWork& work : works) {
       const SpringSet& springs = work.found.springs;
-      if (springs.size() == 0 && springs.status == kNominal) continue;
+      if (springs.size() == 0 && springs.status == kNominal) {
+        loaded->idle.push_back(work.found.pair);
+        continue;
+      }
       forces->first.push_back(loaded->num_springs);
       forces->pairs.push_back(work.total);
       forces->springs.insert(forces->springs.end(), work.springs.begin(), work.springs.end());

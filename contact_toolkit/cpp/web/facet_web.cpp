@@ -72,6 +72,10 @@ std::shared_ptr<const WebMemory> FacetWeb::Remember(const SpringSet& /*springs*/
   return std::make_shared<Candidates>(*A_, *B_, X_AB, standoff_, slack);
 }
 
+double FacetWeb::Clearance(const Pose& X_AB, double enough) const {
+  return LeastDistance(*A_, *B_, X_AB, enough + standoff_) - standoff_;
+}
+
 void FacetWeb::Load(const WitnessPairs& pairs, const Pose& X_AB, SpringSet* springs) const {
   springs->clear();
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -29,6 +29,7 @@ class FacetWeb final : public SpringWeb {
   std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
                                             const Pose& X_AB,
                                             std::shared_ptr<const WebMemory> before) const override;
+  double Clearance(const Pose& X_AB, double enough) const override;
   double reach() const override { return standoff_; }
   bool CarriesStretch() const override { return true; }
   FeatureVertices VerticesOf(std::uint64_t key) const override;

@@ -43,6 +43,10 @@ class SpringWeb {
     return nullptr;
   }
 
+  // [m] A lower bound of how far points of one geometry must move, relative to the other, before a
+  // spring is loaded. A poor one does once it is known to be below `enough`.
+  virtual double Clearance(const Pose& /*X_AB*/, double /*enough*/) const { return 0; }
+
   // [m] No spring is loaded while the bounding boxes of the two geometries are farther apart.
   virtual double reach() const = 0;
 

@@ -280,6 +280,15 @@ ClosestPair FindDistance(const CollisionMesh& A, const CollisionMesh& B, const P
   return search.Result(upper_bound);
 }
 
+double LeastDistance(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
+                     double enough) {
+  const PosedPair pair(A, B, X_AB);
+  Search search(pair, std::numeric_limits<double>::infinity(), std::max(enough, 0.0));
+  search.Run();
+  const double distance = search.Result(std::numeric_limits<double>::infinity()).distance;
+  return distance - kCertain * (A.diagonal() + B.diagonal() + distance);
+}
+
 bool Intersects(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB) {
   const PosedPair pair(A, B, X_AB);
   const double touching = kTouching * pair.size;

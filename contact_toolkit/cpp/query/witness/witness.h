@@ -57,6 +57,11 @@ struct ClosestPair {
 ClosestPair FindDistance(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
                          double upper_bound = std::numeric_limits<double>::infinity());
 
+// [m] A lower bound of the distance, right to rounding; a poor one once it is known to be below
+// `enough`.
+double LeastDistance(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB,
+                     double enough);
+
 // Whether any two facets touch or cross. A mesh wholly inside another does not intersect it here:
 // surfaces, not solids.
 bool Intersects(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB);

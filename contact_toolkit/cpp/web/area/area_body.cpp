@@ -1,5 +1,7 @@
 #include "web/area/area_body.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "web/area/thickness.h"
@@ -14,6 +16,19 @@ double AreaBody::thickness() const {
   const std::lock_guard lock(mutex_);
   if (thickness_ < 0) thickness_ = FindThickness(surface_->solid());
   return thickness_;
+}
+
+double AreaBody::overhang() const {
+  const std::lock_guard lock(mutex_);
+  if (overhang_ >= 0) return overhang_;
+  overhang_ = 0;
+  if (!(surface_->primitive().roundness() > 0)) return overhang_;
+  for (const auto& [a, b, c] : mesh_->faces()) {
+    const std::array<Vec3, 3> corners{mesh_->vertices()[a], mesh_->vertices()[b],
+                                      mesh_->vertices()[c]};
+    overhang_ = std::max(overhang_, -surface_->primitive().LeastOver(corners, CenterOf(corners)));
+  }
+  return overhang_;
 }
 
 double AreaBody::flatness() const {

@@ -28,6 +28,8 @@ class AreaBody {
 
   // [m] See FindThickness.
   double thickness() const;
+  // [m] By which what the mesh stands for is larger, at most.
+  double overhang() const;
   // [-] The fraction of its surface that is in large flat sides: 1 of a box.
   double flatness() const;
   std::shared_ptr<const AreaNodes> nodes(double spacing) const;
@@ -40,7 +42,7 @@ class AreaBody {
   std::shared_ptr<const CollisionMesh> mesh_;
   std::shared_ptr<const ProbedSurface> surface_;
   mutable std::mutex mutex_;
-  mutable double thickness_ = -1, flatness_ = -1;  // not yet found
+  mutable double thickness_ = -1, flatness_ = -1, overhang_ = -1;  // not yet found
   mutable std::map<double, std::shared_ptr<const AreaNodes>> nodes_;
   mutable std::map<double, std::shared_ptr<const DistanceBounds>> bounds_;
   mutable std::map<double, std::shared_ptr<const FlatRegions>> flats_;

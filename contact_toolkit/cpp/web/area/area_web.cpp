@@ -10,6 +10,7 @@
 #include "base/scratch.h"
 #include "base/tolerances.h"
 #include "math/rounded_down.h"
+#include "query/witness/witness.h"
 #include "web/area/area_loader.h"
 #include "web/area/area_memory.h"
 #include "web/area/area_probe.h"
@@ -86,7 +87,9 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
           "nominal_force must not be negative");
   const AreaBody& sampled = samples_a_ ? *A : *B;
   const AreaBody& probed = samples_a_ ? *B : *A;
+  sampled_ = sampled.shared_mesh();
   surface_ = probed.surface();
+  overhang_ = probed.overhang();
   Require(surface_->closed() || options.standoff > 0,
           "the probed body has no inside to measure a penetration by; give the pair a standoff, or "
           "close the mesh");
@@ -144,6 +147,21 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
 
 double AreaWeb::reach() const {
   return options_.standoff + most_bulge_ + SmoothField::kDeviation * cell_;
+}
+
+double AreaWeb::Clearance(const Pose& X_AB, double enough) const {
+  // Fillets are felt before surfaces meet, and in a hole a distance changes its sign at once.
+  if (fillets_ || surface_->solid().kind() == SolidKind::kNearlyClosed) return 0;
+  const Pose X_PS = PoseOfSampled(X_AB);
+  if (surface_->primitive().kind == Primitive::Kind::kHalfSpace) {  // larger than its mesh
+    double least = kInfinity;
+    for (const Vec3& vertex : sampled_->vertices()) {
+      least = std::min(least, surface_->Probe(X_PS * vertex).phi);
+    }
+    return least - reach();
+  }
+  const double nearer = reach() + overhang_;
+  return LeastDistance(surface_->mesh(), *sampled_, X_PS, enough + nearer) - nearer;
 }
 
 Pose AreaWeb::PoseOfSampled(const Pose& X_AB) const { return samples_a_ ? Inverse(X_AB) : X_AB; }
@@ -260,15 +278,13 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
     bool MayLoad(const std::array<Vec3, 3>& corners) const {
       const Sphere sphere = SphereAround(corners.data(), 3);
       if (!web.surface_->primitive()) return MayLoad(sphere);
-      // The distance from a convex body is a convex function: nowhere below its tangent.
+      std::array<Vec3, 3> posed;
+      for (int i = 0; i < 3; ++i) posed[i] = X_PS * corners[i];
       const Vec3 center = X_PS * sphere.center;
-      const FieldValue middle = web.surface_->Probe(center);
-      double least = kInfinity;
-      for (const Vec3& corner : corners) {
-        least = std::min(least, Dot(middle.gradient, X_PS * corner - center));
-      }
-      const double rounding = kTouching * (Norm(X_PS.p) + Norm(center) + std::abs(middle.phi));
-      return middle.phi + least - rounding <= web.reach() + way(sphere.center, sphere.radius);
+      const double least = web.surface_->primitive().LeastOver(posed, center);
+      const double rounding =
+          kTouching * (Norm(X_PS.p) + Norm(center) + sphere.radius + std::abs(least));
+      return least - rounding <= web.reach() + way(sphere.center, sphere.radius);
     }
     double Clearance(const Vec3& p) const { return probe->Clearance(X_PS * p, way(p, 0)); }
     double Farthest(const std::array<Vec3, 3>& corners) const {

@@ -63,6 +63,8 @@ class AreaWeb final : public SpringWeb {
                                             const Pose& X_AB,
                                             std::shared_ptr<const WebMemory> before) const override;
 
+  double Clearance(const Pose& X_AB, double enough) const override;
+
   double reach() const override;
 
   bool samples_a() const { return samples_a_; }
@@ -106,6 +108,8 @@ class AreaWeb final : public SpringWeb {
   // and nowhere by more than so much [m].
   double bulge_ = 0, most_bulge_ = 0;
   double flat_margin_ = 0;  // [m] by which the field looks beyond a point
+  double overhang_ = 0;     // [m] by which the probed surface stands out of its mesh
+  std::shared_ptr<const CollisionMesh> sampled_;
   std::shared_ptr<const ProbedSurface> surface_;
   std::shared_ptr<const AreaNodes> nodes_;
   std::shared_ptr<const DistanceBounds> bounds_;
