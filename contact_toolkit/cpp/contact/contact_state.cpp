@@ -1,12 +1,18 @@
 #include "contact/contact_state.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace contact_toolkit {
 
 PairState ContactState::StateOf(int pair) const {
   const auto it = std::ranges::lower_bound(pairs, pair, {}, &PairState::pair);
   return it != pairs.end() && it->pair == pair ? *it : PairState{pair, nullptr, nullptr};
+}
+
+std::uint64_t NewStateId() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 }  // namespace contact_toolkit
