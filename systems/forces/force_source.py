@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
-from pydrake.systems.framework import Context, DependencyTicket, State
+from pydrake.systems.framework import Context, DependencyTicket, LeafSystem, State
 
 from contact_toolkit import ContactState, Forces
 from systems.step.implicit_step import SolvedStep
@@ -32,6 +32,14 @@ class ForceSource(ABC):
     forces_tickets: set[DependencyTicket]
     applied_tickets: set[DependencyTicket]
     record_ticket: DependencyTicket
+
+    @abstractmethod
+    def set_state(self, context: Context, contact_state: ContactState) -> None:
+        """Put a contact state into the context, as if a step had just led to it."""
+
+    @abstractmethod
+    def declare_in(self, system: LeafSystem) -> Callable[[Context], ContactState]:
+        """Declare in another system what keeps the contact state; return what reads it there."""
 
     @abstractmethod
     def forces(self, context: Context) -> Forces:

@@ -153,6 +153,19 @@ class ImplicitForces(ForceSource):
                     self._step = self._make_step()
         return self._step
 
+    def set_state(self, context: Context, contact_state: ContactState) -> None:
+        reported = self._eval_record(context).reported
+        record = StepRecord(contact_state, b"", {}, None, reported)
+        context.get_mutable_abstract_state(self._record).set_value(record)
+
+    def declare_in(self, system: LeafSystem) -> Callable[[Context], ContactState]:
+        del system
+        raise RuntimeError(
+            "contact of a discrete plant is solved with its step, and has no AutoDiffXd: take "
+            "contact.LinearizeStep(context) for the derivatives of a step, or a continuous plant "
+            "(time_step=0)"
+        )
+
     def forces(self, context: Context) -> Forces:
         return self._present.Eval(context)[1]
 

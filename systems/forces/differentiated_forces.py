@@ -1,0 +1,206 @@
+"""DifferentiatedForces: contact forces with their derivatives, for systems of AutoDiffXd."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
+from pydrake.common.value import AbstractValue, Value
+from pydrake.math import RigidTransform_
+from pydrake.multibody.math import SpatialForce_, SpatialVelocity_
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce_
+from pydrake.systems.framework import BasicVector_, Context, InputPort, LeafSystem, OutputPort
+
+from contact_toolkit import ContactModel, ContactState
+from systems.body_motion import BodyMotion
+
+Floats = NDArray[np.float64]
+AutoDiffs = NDArray[Any]
+
+
+class BodySlopes(NamedTuple):
+    """Where bodies are and how they move, with derivatives by n variables.
+
+    Attributes
+    ----------
+    X_WB, V_WB
+        (nb, 4, 4), (nb, 6).
+    dX_WB
+        (nb, 6, n) how each turns [rad], then how its origin moves [m].
+    dV_WB
+        (nb, 6, n).
+    """
+
+    X_WB: Floats
+    V_WB: Floats
+    dX_WB: Floats
+    dV_WB: Floats
+
+    def set_pose(self, row: int, X_WB: AutoDiffs) -> None:
+        """Set a body's pose, (4, 4)."""
+        values, slopes = split(X_WB, self.dX_WB.shape[2])
+        self.X_WB[row] = values
+        spin = np.einsum("ikn,jk->ijn", slopes[:3, :3], values[:3, :3])  # dR Rᵀ
+        self.dX_WB[row, :3] = spin[2, 1], spin[0, 2], spin[1, 0]
+        self.dX_WB[row, 3:] = slopes[:3, 3]
+
+    def set_velocity(self, row: int, V_WB: AutoDiffs) -> None:
+        """Set a body's spatial velocity, (6,)."""
+        self.V_WB[row], self.dV_WB[row] = split(V_WB, self.dV_WB.shape[2])
+
+
+def split(numbers: AutoDiffs, count: int) -> tuple[Floats, Floats]:
+    """Return values, of the shape of `numbers`, and derivatives by `count` variables, (..., n)."""
+    column = numbers.reshape(-1, 1)
+    slopes = np.zeros((numbers.size, count))
+    if count_variables(numbers.flat) > 0:
+        slopes[:] = ExtractGradient(column)
+    return ExtractValue(column).reshape(numbers.shape), slopes.reshape(*numbers.shape, count)
+
+
+def joined(values: Floats, slopes: Floats) -> AutoDiffs:
+    """Return (m,) numbers of these values (m,) and derivatives (m, n)."""
+    return InitializeAutoDiff(values.reshape(-1, 1), slopes).reshape(values.shape)
+
+
+def count_variables(numbers: Iterable[AutoDiffXd]) -> int:
+    """Return by how many variables numbers are derived; constants are by none."""
+    return max((len(number.derivatives()) for number in numbers), default=0)
+
+
+class DifferentiatedForces:
+    """Declares in a system of AutoDiffXd the ports of a contact system of doubles.
+
+    The ports of forces carry derivatives: those of `ContactModel.differentiate`, at the contact
+    state that the context holds. The others raise RuntimeError when they are asked.
+
+    Parameters
+    ----------
+    system
+        Gets the ports, in the order of the other's.
+    other
+        The system of doubles.
+    model, bodies
+        Its contact model, and how that's bodies are read.
+    contact_state
+        Reads the contact state of a context of `system`.
+    """
+
+    def __init__(
+        self,
+        system: LeafSystem,
+        other: LeafSystem,
+        model: ContactModel,
+        bodies: BodyMotion,
+        contact_state: Callable[[Context], ContactState],
+    ) -> None:
+        self._model, self._bodies, self._contact_state = model, bodies, contact_state
+        size = other.GetInputPort("state").size()
+        self._no_state = joined(np.zeros(size), np.zeros((size, 0)))
+        self._num_positions = size - other.GetOutputPort("generalized_forces").size()
+        self._state = system.DeclareVectorInputPort("state", BasicVector_[AutoDiffXd](size))
+        self._poses = _declare_list(system, "body_poses", RigidTransform_[AutoDiffXd]())
+        self._velocities = _declare_list(
+            system, "body_spatial_velocities", SpatialVelocity_[AutoDiffXd]()
+        )
+        for i in range(other.num_output_ports()):
+            self._declare_output(system, other.get_output_port(i))
+
+    def _declare_output(self, system: LeafSystem, port: OutputPort) -> None:
+        name = port.get_name()
+        calculate = {
+            "generalized_forces": self._output_generalized_forces,
+            "spatial_forces": self._output_spatial_forces,
+            "body_wrenches": self._output_wrenches,
+        }.get(name, _refusing(name))
+        if name == "spatial_forces":
+            force = ExternallyAppliedSpatialForce_[AutoDiffXd]()
+            system.DeclareAbstractOutputPort(name, lambda: AbstractValue.Make([force]), calculate)
+        elif port.size() > 0:
+            vector = BasicVector_[AutoDiffXd](port.size())
+            system.DeclareVectorOutputPort(name, vector, calculate)
+        else:
+            system.DeclareAbstractOutputPort(name, Value[object], calculate)
+
+    def _read(self, context: Context) -> BodySlopes:
+        bodies = self._bodies
+        state = self._state.Eval(context) if bodies.uses_state else self._no_state
+        listed = [index for _, index in bodies.listed]
+        poses = self._poses.Eval(context) if listed else []
+        velocities = self._velocities.Eval(context) if listed else []
+        X_WB = {index: poses[index].GetAsMatrix4() for index in listed}
+        V_WB = {index: velocities[index].get_coeffs() for index in listed}
+        numbers = [state, *X_WB.values(), *V_WB.values()]
+        count = max(count_variables(each.flat) for each in numbers)
+        values, slopes = split(state, count)
+        moving = BodySlopes(
+            *bodies.read_state(values), *(np.zeros((len(self._model.bodies), 6, count)) for _ in "XV")
+        )
+        for row, q_start, v_start in bodies.floating:
+            q, dq = values[q_start:][:4], slopes[q_start:][:4]
+            moving.dX_WB[row, :3] = turn_of_quaternion(q) @ dq
+            moving.dX_WB[row, 3:] = slopes[q_start + 4 :][:3]
+            moving.dV_WB[row] = slopes[self._num_positions + v_start :][:6]
+        for row, index in bodies.listed:
+            moving.set_pose(row, X_WB[index])
+            moving.set_velocity(row, V_WB[index])
+        return moving
+
+    def _wrenches(self, context: Context) -> tuple[Floats, Floats]:
+        moving, state = self._read(context), self._contact_state(context)
+        forces = self._model.evaluate(moving.X_WB, moving.V_WB, state)
+        return forces.body_wrenches, self._model.differentiate(*moving, state)
+
+    def _output_generalized_forces(self, context: Context, output: Any) -> None:
+        wrenches, slopes = self._wrenches(context)
+        values = self._bodies.generalized_forces(wrenches)
+        changes = np.zeros((len(values), slopes.shape[2]))
+        for row, _, v_start in self._bodies.floating:
+            changes[v_start : v_start + 6] = slopes[row]
+        output.SetFromVector(joined(values, changes))
+
+    def _output_spatial_forces(self, context: Context, output: AbstractValue) -> None:
+        wrenches, slopes = self._wrenches(context)
+        output.set_value(
+            [
+                spatial_force(index, joined(wrenches[row], slopes[row]))
+                for row, index in self._bodies.listed
+                if wrenches[row].any()
+            ]
+        )
+
+    def _output_wrenches(self, context: Context, output: Any) -> None:
+        wrenches, slopes = self._wrenches(context)
+        output.SetFromVector(joined(wrenches.ravel(), slopes.reshape(wrenches.size, -1)))
+
+
+def turn_of_quaternion(q: Floats) -> Floats:
+    """Return (3, 4): how a body turns [rad] as its quaternion [w x y z] of any length changes."""
+    w, x, y, z = 2 * q / (q @ q)
+    return np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
+
+
+def spatial_force(index: Any, wrench: AutoDiffs) -> Any:
+    """Return Drake's force at the origin of a body, of torque and force (6,) in W."""
+    force = ExternallyAppliedSpatialForce_[AutoDiffXd]()
+    force.body_index = index
+    force.p_BoBq_B = joined(np.zeros(3), np.zeros((3, 0)))
+    force.F_Bq_W = SpatialForce_[AutoDiffXd](wrench[:3], wrench[3:])
+    return force
+
+
+def _declare_list(system: LeafSystem, name: str, entry: object) -> InputPort:
+    return system.DeclareAbstractInputPort(name, AbstractValue.Make([entry]))
+
+
+def _refusing(name: str) -> Callable[[Context, Any], NoReturn]:
+    def refuse(context: Context, output: Any) -> NoReturn:
+        del context, output
+        raise RuntimeError(
+            f"port {name!r} of contact has no derivatives; evaluate it in the diagram of doubles"
+        )
+
+    return refuse
