@@ -9,9 +9,7 @@ from pydrake.systems.framework import LeafSystem_
 from pydrake.systems.scalar_conversion import TemplateSystem
 
 
-@TemplateSystem.define(
-    "ContactSystem_", T_list=[float, AutoDiffXd], T_pairs=[(AutoDiffXd, float)]
-)
+@TemplateSystem.define("ContactSystem_", T_list=[float, AutoDiffXd], T_pairs=[(AutoDiffXd, float)])
 def ContactSystem_(T: type) -> type:  # noqa: N802  as Drake names templates
     """Return the class for a scalar type.
 

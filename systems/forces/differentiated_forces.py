@@ -137,7 +137,8 @@ class DifferentiatedForces:
         count = max(count_variables(each.flat) for each in numbers)
         values, slopes = split(state, count)
         moving = BodySlopes(
-            *bodies.read_state(values), *(np.zeros((len(self._model.bodies), 6, count)) for _ in "XV")
+            *bodies.read_state(values),
+            *(np.zeros((len(self._model.bodies), 6, count)) for _ in "XV"),
         )
         for row, q_start, v_start in bodies.floating:
             q, dq = values[q_start:][:4], slopes[q_start:][:4]

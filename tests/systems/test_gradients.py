@@ -12,6 +12,7 @@ from pydrake.planning import DirectCollocation, DirectTranscription
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import FirstOrderTaylorApproximation, Linearize
+from scipy.optimize import brentq
 
 from contact_toolkit import AreaWeb, ContactState
 from systems import AddNonlinearDamperContact, ContactConfig, NonlinearDamperContact
@@ -63,7 +64,9 @@ def add(plant: MultibodyPlant, body, shape, p=(0.0, 0.0, 0.0)) -> None:
 def moving(plant: MultibodyPlant) -> np.ndarray:
     """Everything turns and slides a little, and quaternions have no unit length."""
     x = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
-    x[plant.num_positions() :] += np.random.default_rng(3).normal(size=plant.num_velocities()) * 0.02
+    x[plant.num_positions() :] += (
+        np.random.default_rng(3).normal(size=plant.num_velocities()) * 0.02
+    )
     for name in ("ball", "box"):
         start = plant.GetBodyByName(name).floating_positions_start()
         x[start : start + 4] = np.array([1.0, 1e-4, -2e-4, 0.3]) * 1.1
@@ -116,7 +119,7 @@ def test_accelerations_carry_the_derivatives_of_contact(hold):
 class Mass:
     """A mass on a vertical slider, on a table by spring and damper; a force lifts it."""
 
-    MASS, SIDE, K, ALPHA, GRAVITY = 2.0, 0.1, 1e7, 40.0, 9.81
+    MASS, SIDE, K, ALPHA, GRAVITY = 2.0, 0.1, 1e8, 20.0, 9.81
 
     def __init__(self, time_step: float = 0.0, **settings: object) -> None:
         builder = DiagramBuilder()
@@ -142,7 +145,17 @@ class Mass:
         self.stiffness = self.K * side**2
         self.depth = self.MASS * self.GRAVITY / self.stiffness
         self.damping = 1.5 * self.ALPHA * self.MASS * self.GRAVITY  # [N s/m] there
-        plant.SetPositions(self.plant_context, [-self.depth])
+        # Springs at the rim add a ten-thousandth.
+        at_rest = brentq(self.push, -1.01 * self.depth, -0.99 * self.depth, xtol=1e-18)
+        self.push(at_rest)
+
+    def push(self, q: float) -> float:
+        """What is left of the weight where the mass is held at q [N]."""
+        self.plant.SetPositions(self.plant_context, [q])
+        own = self.contact.GetMyContextFromRoot(self.context)
+        X_WB = self.contact.get_poses_output_port().Eval(own)
+        wrenches = self.contact.model.evaluate(X_WB, np.zeros((2, 6))).body_wrenches
+        return float(wrenches[1, 5] - self.MASS * self.GRAVITY)
 
     @property
     def plant_context(self) -> Context:
@@ -153,13 +166,15 @@ def test_drake_linearizes_a_mass_on_spring_and_damper():
     mass = Mass(hold_anchors=True)
     linear = Linearize(mass.diagram, mass.context)
     expected = [[0, 1], [-mass.stiffness / mass.MASS, -mass.damping / mass.MASS]]
-    assert_allclose(linear.A(), expected, rtol=1e-9, atol=1e-9)
+    assert_allclose(linear.A(), expected, rtol=1e-3, atol=1e-9)
     assert_allclose(linear.B(), [[0], [1 / mass.MASS]], rtol=1e-12)
     # ω = √(k A/m), ζ = a g/2 √(m/(k A))
     omega = np.sqrt(mass.stiffness / mass.MASS)
     zeta = 1.5 * mass.ALPHA * mass.GRAVITY / 2 / omega
     eigenvalues = np.sort_complex(np.linalg.eigvals(linear.A()))
-    assert_allclose(eigenvalues, omega * (-zeta + np.sqrt(1 - zeta**2) * np.array([-1j, 1j])))
+    assert_allclose(
+        eigenvalues, omega * (-zeta + np.sqrt(1 - zeta**2) * np.array([-1j, 1j])), rtol=1e-3
+    )
 
 
 def test_a_held_plant_is_linearized_at_the_anchors_of_a_simulated_one():
@@ -167,6 +182,7 @@ def test_a_held_plant_is_linearized_at_the_anchors_of_a_simulated_one():
     moving = Scene(initial_overlap="warn")
     simulator = Simulator(moving.diagram, moving.context)
     simulator.AdvanceTo(0.2)
+    simulator.AdvancePendingEvents()  # anchors take over the last step
     held = Scene(hold_anchors=True)
     held.contact.SetContactState(held.context, moving.contact.GetContactState(moving.context))
     x = moving.plant.GetPositionsAndVelocities(moving.plant_context)
@@ -189,7 +205,10 @@ def test_trajectory_optimization_has_gradients_of_contact(make):
     mass = Mass(hold_anchors=True)
     if make == "collocation":
         program = DirectCollocation(
-            mass.diagram, mass.context, num_time_samples=4, minimum_time_step=1e-3,
+            mass.diagram,
+            mass.context,
+            num_time_samples=4,
+            minimum_time_step=1e-3,
             maximum_time_step=1e-2,
         ).prog()
     else:
@@ -202,9 +221,11 @@ def test_trajectory_optimization_has_gradients_of_contact(make):
     for binding in program.GetAllConstraints():
         variables = program.FindDecisionVariableIndices(binding.variables())
         at = guess[variables]
-        gradient = ExtractGradient(binding.evaluator().Eval(InitializeAutoDiff(at).ravel()).reshape(-1, 1))
+        gradient = ExtractGradient(
+            binding.evaluator().Eval(InitializeAutoDiff(at).ravel()).reshape(-1, 1)
+        )
         for k in range(len(at)):
-            step = 1e-6 * np.abs(at[k]) * np.eye(len(at))[k]
+            step = 1e-4 * np.abs(at[k]) * np.eye(len(at))[k]
             ahead, behind = (binding.evaluator().Eval(at + way * step) for way in (1, -1))
             differences = (ahead - behind) / (2 * step[k])
             assert_allclose(
