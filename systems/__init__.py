@@ -10,6 +10,7 @@ from systems.monitors.witness_pair_visualizer import WitnessPairVisualizer
 from systems.nonlinear_damper_contact import NonlinearDamperContact
 from systems.parse_model import parse_model
 from systems.plant_cspace import PlantCSpace
+from systems.saved_context import SavedContext
 from systems.wiring.station import OpenForcePorts
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "PairConfig",
     "PairWrenches",
     "PlantCSpace",
+    "SavedContext",
     "SweptContactMonitor",
     "WitnessPairVisualizer",
     "add_mesh_body",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,11 @@ class StepRecord(NamedTuple):
     def __deepcopy__(self, memo: dict[int, object]) -> StepRecord:
         """Return itself: immutable, so a context may copy it for free."""
         return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle it without lists of forces: Drake does not pickle them, and they never agree."""
+        arrays = {name: each for name, each in self.inputs.items() if isinstance(each, np.ndarray)}
+        return StepRecord, (self.state, self.x, arrays, self.step, self.reported)
 
 
 class ImplicitForces(ForceSource):
