@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from pydrake.systems.framework import (
 )
 
 from contact_toolkit import ContactModel, ContactState
-from systems.contact_system import ContactSystem_
+from systems.contact_system import ContactSystem
 from systems.diagnostics.contact_watch import ContactWatch
 from systems.diagnostics.initial_overlap import InitialOverlap
 from systems.forces.differentiated_forces import DifferentiatedForces
@@ -31,17 +31,15 @@ from systems.forces.held_forces import HeldForces
 from systems.forces.implicit_forces import ImplicitForces
 from systems.plant.body_pair import BodyPair
 from systems.step.implicit_step import ImplicitStep
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.planning import TakenPairs
 from systems.wiring.plant_inputs import PlantInputs
 
 Floats: TypeAlias = NDArray[np.float64]
 
-# Drake's own class for doubles, that it knows how to convert.
-_LeafSystem = LeafSystem if TYPE_CHECKING else ContactSystem_[float]
 
-
-class NonlinearDamperContact(_LeafSystem):
+class NonlinearDamperContact(ContactSystem):
     """Pushes and rubs the bodies of a plant that touch, in place of its built-in contact.
 
     `AddNonlinearDamperContact` makes and connects one. By hand: connect the inputs to the plant's
@@ -246,6 +244,44 @@ class NonlinearDamperContact(_LeafSystem):
     def SetContactState(self, context: Context, contact_state: ContactState) -> None:
         """Put a contact state into a root context: contact goes on from it."""
         self._source.set_state(self.GetMyMutableContextFromRoot(context), contact_state)
+
+    def LinearizeStep(self, context: Context, input_port: str = "actuation") -> LinearizedStep:
+        """Linearize the step of a discrete plant that starts at a root context, as it is solved.
+
+        By the plant's state and by one of its vector input ports; friction's anchors are those of
+        the start. It is the derivative of the implicit step itself. What slips, or is about to,
+        stands at a kink: the derivative is that of one side.
+
+        Raises
+        ------
+        ValueError
+            Where the plant has no such port.
+        RuntimeError
+            For a plant that takes no implicit steps (a continuous one is linearized by Drake's
+            `Linearize`, with `hold_anchors`), and Drake's own where it cannot differentiate the
+            plant's update: joint limits in play, constraints, contact of other bodies.
+
+        Examples
+        --------
+        >>> from pydrake.multibody.parsing import Parser
+        >>> from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+        >>> from pydrake.systems.framework import DiagramBuilder
+        >>> from systems import AddNonlinearDamperContact
+        >>> MODEL = '''<mujoco model="fall"><worldbody><geom type="plane" size="1 1 1"/>
+        ...   <body name="ball" pos="0 0 0.0499"><freejoint/><geom size="0.05"/></body>
+        ... </worldbody></mujoco>'''
+        >>> builder = DiagramBuilder()
+        >>> plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.002)
+        >>> _ = Parser(plant).AddModelsFromString(MODEL, "xml")
+        >>> plant.Finalize()
+        >>> contact = AddNonlinearDamperContact(builder, plant, scene_graph)
+        >>> diagram = builder.Build()
+        >>> context = diagram.CreateDefaultContext()
+        >>> step = contact.LinearizeStep(context, "applied_generalized_force")
+        >>> step.A.shape, step.B.shape
+        ((13, 13), (13, 6))
+        """
+        return self._source.linearize_step(self.GetMyContextFromRoot(context), input_port)
 
     def convert_to(self, system: LeafSystem) -> None:
         """Declare ports and state in a system of AutoDiffXd; called by Drake's `ToAutoDiffXd`.

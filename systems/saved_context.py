@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, Diagram, InputPort, PortDataType, System
 
 Floats = NDArray[np.float64]

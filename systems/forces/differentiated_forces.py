@@ -2,73 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, NoReturn
+from collections.abc import Callable
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue, InitializeAutoDiff
+from pydrake.autodiffutils import AutoDiffXd
 from pydrake.common.value import AbstractValue, Value
 from pydrake.math import RigidTransform_
-from pydrake.multibody.math import SpatialForce_, SpatialVelocity_
+from pydrake.multibody.math import SpatialVelocity_
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce_
 from pydrake.systems.framework import BasicVector_, Context, InputPort, LeafSystem, OutputPort
 
 from contact_toolkit import ContactModel, ContactState
 from systems.body_motion import BodyMotion
+from systems.body_slopes import BodySlopes, count_variables, joined, spatial_force, split
 
 Floats = NDArray[np.float64]
-AutoDiffs = NDArray[Any]
-
-
-class BodySlopes(NamedTuple):
-    """Where bodies are and how they move, with derivatives by n variables.
-
-    Attributes
-    ----------
-    X_WB, V_WB
-        (nb, 4, 4), (nb, 6).
-    dX_WB
-        (nb, 6, n) how each turns [rad], then how its origin moves [m].
-    dV_WB
-        (nb, 6, n).
-    """
-
-    X_WB: Floats
-    V_WB: Floats
-    dX_WB: Floats
-    dV_WB: Floats
-
-    def set_pose(self, row: int, X_WB: AutoDiffs) -> None:
-        """Set a body's pose, (4, 4)."""
-        values, slopes = split(X_WB, self.dX_WB.shape[2])
-        self.X_WB[row] = values
-        spin = np.einsum("ikn,jk->ijn", slopes[:3, :3], values[:3, :3])  # dR Rᵀ
-        self.dX_WB[row, :3] = spin[2, 1], spin[0, 2], spin[1, 0]
-        self.dX_WB[row, 3:] = slopes[:3, 3]
-
-    def set_velocity(self, row: int, V_WB: AutoDiffs) -> None:
-        """Set a body's spatial velocity, (6,)."""
-        self.V_WB[row], self.dV_WB[row] = split(V_WB, self.dV_WB.shape[2])
-
-
-def split(numbers: AutoDiffs, count: int) -> tuple[Floats, Floats]:
-    """Return values, of the shape of `numbers`, and derivatives by `count` variables, (..., n)."""
-    column = numbers.reshape(-1, 1)
-    slopes = np.zeros((numbers.size, count))
-    if count_variables(numbers.flat) > 0:
-        slopes[:] = ExtractGradient(column)
-    return ExtractValue(column).reshape(numbers.shape), slopes.reshape(*numbers.shape, count)
-
-
-def joined(values: Floats, slopes: Floats) -> AutoDiffs:
-    """Return (m,) numbers of these values (m,) and derivatives (m, n)."""
-    return InitializeAutoDiff(values.reshape(-1, 1), slopes).reshape(values.shape)
-
-
-def count_variables(numbers: Iterable[AutoDiffXd]) -> int:
-    """Return by how many variables numbers are derived; constants are by none."""
-    return max((len(number.derivatives()) for number in numbers), default=0)
 
 
 class DifferentiatedForces:
@@ -142,7 +92,7 @@ class DifferentiatedForces:
         )
         for row, q_start, v_start in bodies.floating:
             q, dq = values[q_start:][:4], slopes[q_start:][:4]
-            moving.dX_WB[row, :3] = turn_of_quaternion(q) @ dq
+            moving.dX_WB[row, :3] = _turn_of_quaternion(q) @ dq
             moving.dX_WB[row, 3:] = slopes[q_start + 4 :][:3]
             moving.dV_WB[row] = slopes[self._num_positions + v_start :][:6]
         for row, index in bodies.listed:
@@ -178,19 +128,10 @@ class DifferentiatedForces:
         output.SetFromVector(joined(wrenches.ravel(), slopes.reshape(wrenches.size, -1)))
 
 
-def turn_of_quaternion(q: Floats) -> Floats:
+def _turn_of_quaternion(q: Floats) -> Floats:
     """Return (3, 4): how a body turns [rad] as its quaternion [w x y z] of any length changes."""
     w, x, y, z = 2 * q / (q @ q)
     return np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
-
-
-def spatial_force(index: Any, wrench: AutoDiffs) -> Any:
-    """Return Drake's force at the origin of a body, of torque and force (6,) in W."""
-    force = ExternallyAppliedSpatialForce_[AutoDiffXd]()
-    force.body_index = index
-    force.p_BoBq_B = joined(np.zeros(3), np.zeros((3, 0)))
-    force.F_Bq_W = SpatialForce_[AutoDiffXd](wrench[:3], wrench[3:])
-    return force
 
 
 def _declare_list(system: LeafSystem, name: str, entry: object) -> InputPort:

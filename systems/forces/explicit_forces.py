@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,13 @@ class PresentForces(ForceSource):
 
     def last_step(self, context: Context) -> None:
         del context
+
+    def linearize_step(self, context: Context, input_port: str) -> NoReturn:
+        del context, input_port
+        raise RuntimeError(
+            "contact is not solved with a discrete plant's step; of a continuous plant take "
+            "Drake's Linearize, with ContactConfig(hold_anchors=True)"
+        )
 
 
 class _Record(NamedTuple):

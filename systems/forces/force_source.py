@@ -12,6 +12,7 @@ from pydrake.systems.framework import Context, DependencyTicket, LeafSystem, Sta
 
 from contact_toolkit import ContactState, Forces
 from systems.step.implicit_step import SolvedStep
+from systems.step.linearized_step import LinearizedStep
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +61,10 @@ class ForceSource(ABC):
     @abstractmethod
     def last_step(self, context: Context) -> SolvedStep | None:
         """Return the last implicit step, if there was one."""
+
+    @abstractmethod
+    def linearize_step(self, context: Context, input_port: str) -> LinearizedStep:
+        """Linearize the implicit step that starts here, by the state and an input of the plant."""
 
     @abstractmethod
     def begin(

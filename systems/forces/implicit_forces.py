@@ -18,6 +18,7 @@ from systems.diagnostics.step_watch import StepWatch
 from systems.forces.force_source import ForceSource
 from systems.python_cache import holding, producer
 from systems.step.implicit_step import ImplicitStep, SolvedStep
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.plant_inputs import PlantInputs
 
@@ -157,6 +158,12 @@ class ImplicitForces(ForceSource):
                 if self._step is None:
                     self._step = self._make_step()
         return self._step
+
+    def linearize_step(self, context: Context, input_port: str) -> LinearizedStep:
+        record: StepRecord = self._solved.Eval(context)
+        assert record.step is not None
+        x, inputs = self._motion.state.Eval(context), self._inputs.read(context)
+        return self._implicit_step().linearize(x, inputs, record.state, record.step, input_port)
 
     def set_state(self, context: Context, contact_state: ContactState) -> None:
         reported = self._eval_record(context).reported

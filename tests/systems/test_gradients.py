@@ -10,12 +10,12 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import FixedOffsetFrame, PrismaticJoint, RevoluteJoint, SpatialInertia
 from pydrake.planning import DirectCollocation, DirectTranscription
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import FirstOrderTaylorApproximation, Linearize
 from scipy.optimize import brentq
 
-from contact_toolkit import AreaWeb, ContactState
-from systems import AddNonlinearDamperContact, ContactConfig, NonlinearDamperContact
+from contact_toolkit import ContactState
+from systems import AddNonlinearDamperContact, ContactConfig, FrictionConfig
 
 STEP = 1e-7  # [m], [rad], [m/s]: small beside the deformations, far above rounding
 ROUGH = CoulombFriction(0.8, 0.8)
@@ -245,3 +245,67 @@ def test_what_has_no_derivatives_says_so():
     context = contact.GetMyContextFromRoot(converted.CreateDefaultContext())
     with pytest.raises(RuntimeError, match="'contacts' of contact has no derivatives"):
         contact.GetOutputPort("contacts").Eval(context)
+
+
+def simulated_step(scene: Scene, x: np.ndarray, u: float, state: ContactState) -> np.ndarray:
+    """Where the plant's step leads, by Drake's simulator."""
+    go_to(scene, x, u, state)
+    Simulator(scene.diagram, scene.context).AdvanceTo(scene.plant.time_step())
+    return scene.plant.GetPositionsAndVelocities(scene.plant_context)
+
+
+def solved_step(scene: Scene, x: np.ndarray, u: float, state: ContactState) -> np.ndarray:
+    """The same from these very anchors, where the simulator drags them along to x first."""
+    go_to(scene, x, u, state)
+    solver = scene.contact._source._implicit_step()
+    v = solver.solve(0.0, x, {"actuation": np.array([u])}, state).velocities
+    q_dot = scene.plant.MapVelocityToQDot(scene.plant_context, v)
+    return np.concatenate([x[: len(q_dot)] + scene.plant.time_step() * q_dot, v])
+
+
+def go_to(scene: Scene, x: np.ndarray, u: float, state: ContactState) -> None:
+    scene.context.SetTime(0.0)
+    scene.plant.SetPositionsAndVelocities(scene.plant_context, x)
+    scene.diagram.get_input_port().FixValue(scene.context, [u])
+    scene.contact.SetContactState(scene.context, state)
+
+
+@pytest.mark.parametrize(("friction", "step"), [(0.0, simulated_step), (0.8, solved_step)])
+def test_a_step_of_a_discrete_plant_is_linearized_as_it_is_solved(friction, step):
+    # Forces of the end of a step are taken for those of its start, or what moves is left out.
+    scene = Scene(time_step=1e-3, friction=FrictionConfig(static=friction))
+    x, u = moving(scene.plant), 0.5
+    state = after_a_step(scene, x)
+    go_to(scene, x, u, state)
+    found = scene.contact.LinearizeStep(scene.context)
+    anchored = after_its_start(scene, x, u, state) if friction else state
+    assert_allclose(found.x_next, step(scene, x, u, anchored), rtol=1e-9, atol=1e-12)
+    for k, axis in enumerate(np.eye(len(x) + 1)):
+        ahead, behind = (
+            step(scene, x + way * axis[:-1], u + way * axis[-1], anchored) for way in (STEP, -STEP)
+        )
+        differences = (ahead - behind) / (2 * STEP)
+        column = np.hstack([found.A, found.B])[:, k]
+        scale = max(1e-3, np.abs(differences).max())
+        assert_allclose(column, differences, rtol=0, atol=3e-5 * scale, err_msg=str(k))
+
+
+def after_its_start(scene: Scene, x: np.ndarray, u: float, state: ContactState) -> ContactState:
+    """What the present makes of a state before a step begins."""
+    go_to(scene, x, u, state)
+    return scene.contact.GetContactState(scene.context)
+
+
+def test_a_mass_on_spring_and_damper_is_stepped_by_backward_euler():
+    mass = Mass(time_step=1e-3)
+    h, (m, k, c) = 1e-3, (mass.MASS, mass.stiffness, mass.damping)
+    found = mass.contact.LinearizeStep(mass.context)
+    expected = np.linalg.inv([[1, -h], [h * k / m, 1 + h * c / m]])
+    assert_allclose(found.A, expected, rtol=1e-3)
+    assert_allclose(found.B.ravel(), expected @ [0, h / m], rtol=1e-3)
+    # Drake's own update moves positions by the velocities at the end: stable at any stiffness.
+    assert np.abs(np.linalg.eigvals(found.A)).max() < 1
+    with pytest.raises(ValueError, match="vector port of the plant"):
+        mass.contact.LinearizeStep(mass.context, "geometry_query")
+    with pytest.raises(RuntimeError, match="Drake's Linearize"):
+        Mass().contact.LinearizeStep(mass.context)

@@ -43,8 +43,9 @@ void PicklesAs(nb::class_<T>& bound, const std::string& name, Finish finish) {
       finish(&loaded);
       new (&self) T(std::move(loaded));
     } catch (const std::invalid_argument& error) {
-      throw nb::value_error(("these are not the bytes of a " + name + " as this version saves it (" +
-                             error.what() + "); make it anew, or load it with the version that "
+      throw nb::value_error(("these are not the bytes of a " + name +
+                             " as this version saves it (" + error.what() +
+                             "); make it anew, or load it with the version that "
                              "saved it")
                                 .c_str());
     }

@@ -37,12 +37,8 @@ auto Fields(Of<Energetics> auto& self) {
 auto Fields(Of<SpringForce> auto& self) {
   return std::tie(self.rate, self.normal, self.friction_A, self.anchored, self.moving_on);
 }
-auto Fields(Of<Stretch> auto& self) {
-  return std::tie(self.stretch_A, self.sliding, self.anchor);
-}
-auto Fields(Of<PairForce> auto& self) {
-  return std::tie(self.torque, self.force, self.energetics);
-}
+auto Fields(Of<Stretch> auto& self) { return std::tie(self.stretch_A, self.sliding, self.anchor); }
+auto Fields(Of<PairForce> auto& self) { return std::tie(self.torque, self.force, self.energetics); }
 // The state that they are of is named anew in each process.
 auto Fields(Of<Forces> auto& self) {
   return std::tie(self.loaded, self.V_FB, self.body_wrenches, self.springs, self.stretches,
@@ -55,8 +51,8 @@ auto Fields(Of<Anchor> auto& self) {
 }
 auto Fields(Of<PairState> auto& self) { return std::tie(self.pair, self.anchors); }
 auto Fields(Of<ContactState> auto& self) {
-  return std::tie(self.model_id, self.time, self.forces, self.pairs, self.easing,
-                  self.damping_loss, self.friction_loss, self.numerical_loss);
+  return std::tie(self.model_id, self.time, self.forces, self.pairs, self.easing, self.damping_loss,
+                  self.friction_loss, self.numerical_loss);
 }
 
 auto Fields(Of<ContactArrays> auto& self) {
