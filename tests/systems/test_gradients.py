@@ -305,7 +305,8 @@ def test_a_mass_on_spring_and_damper_is_stepped_by_backward_euler():
     assert_allclose(found.B.ravel(), expected @ [0, h / m], rtol=1e-3)
     # Drake's own update moves positions by the velocities at the end: stable at any stiffness.
     assert np.abs(np.linalg.eigvals(found.A)).max() < 1
+    continuous = Mass()
     with pytest.raises(ValueError, match="vector port of the plant"):
         mass.contact.LinearizeStep(mass.context, "geometry_query")
     with pytest.raises(RuntimeError, match="Drake's Linearize"):
-        Mass().contact.LinearizeStep(mass.context)
+        continuous.contact.LinearizeStep(continuous.context)
