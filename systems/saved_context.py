@@ -9,7 +9,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.systems.framework import Context, Diagram, InputPort, PortDataType, System
+from pydrake.systems.framework import (
+    Context,
+    Diagram,
+    InputPort,
+    InputPortIndex,
+    PortDataType,
+    System,
+)
 
 Floats = NDArray[np.float64]
 
@@ -181,7 +188,7 @@ def _unfed_within(system: System, context: Context) -> Iterator[tuple[InputPort,
         return
     fed = set(system.connection_map())
     for i in range(system.num_input_ports()):
-        fed.update(system.GetInputPortLocators(i))
+        fed.update(system.GetInputPortLocators(InputPortIndex(i)))
     for inner in system.GetSystems():
         own = system.GetSubsystemContext(inner, context)
         for i in range(inner.num_input_ports()):

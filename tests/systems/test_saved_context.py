@@ -48,9 +48,14 @@ def make_simulator(kind: str, bodies: int = 2) -> Simulator:
         scene_graph,
         config=ContactConfig(k=1e7, discrete="explicit" if kind == "explicit" else "implicit"),
     )
+    port, system = plant.get_actuation_input_port(), plant
+    if kind == "continuous":  # fixed from outside
+        builder.ExportInput(port, "force")
     simulator = Simulator(builder.Build())
-    context = plant.GetMyContextFromRoot(simulator.get_mutable_context())
-    plant.get_actuation_input_port().FixValue(context, [8.0])
+    if kind == "continuous":
+        system = simulator.get_system()
+        port = system.get_input_port()
+    port.FixValue(system.GetMyContextFromRoot(simulator.get_mutable_context()), [8.0])
     if kind == "continuous":
         integrator = simulator.get_mutable_integrator()
         integrator.set_maximum_step_size(2e-4)
