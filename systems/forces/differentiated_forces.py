@@ -17,6 +17,7 @@ from pydrake.systems.framework import BasicVector_, Context, InputPort, LeafSyst
 from contact_toolkit import ContactModel, ContactState
 from systems.body_motion import BodyMotion
 from systems.body_slopes import BodySlopes, count_variables, joined, spatial_force, split
+from systems.python_cache import producer
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +35,7 @@ class DifferentiatedForces:
     other
         The system of doubles.
     model, bodies
-        Its contact model, and how that's bodies are read.
+        Its contact model, and how the model's bodies are read.
     contact_state
         Reads the contact state of a context of `system`.
     """
@@ -56,6 +57,7 @@ class DifferentiatedForces:
         self._velocities = _declare_list(
             system, "body_spatial_velocities", SpatialVelocity_[AutoDiffXd]()
         )
+        self._forces = system.DeclareCacheEntry("forces", producer(self._push))
         for i in range(other.num_output_ports()):
             self._declare_output(system, other.get_output_port(i))
 
@@ -100,13 +102,13 @@ class DifferentiatedForces:
             moving.set_velocity(row, V_WB[index])
         return moving
 
-    def _wrenches(self, context: Context) -> tuple[Floats, Floats]:
+    def _push(self, context: Context, output: AbstractValue) -> None:
         moving, state = self._read(context), self._contact_state(context)
         forces = self._model.evaluate(moving.X_WB, moving.V_WB, state)
-        return forces.body_wrenches, self._model.differentiate(*moving, state)
+        output.set_value((forces.body_wrenches, self._model.differentiate(*moving, state)))
 
     def _output_generalized_forces(self, context: Context, output: Any) -> None:
-        wrenches, slopes = self._wrenches(context)
+        wrenches, slopes = self._forces.Eval(context)
         values = self._bodies.generalized_forces(wrenches)
         changes = np.zeros((len(values), slopes.shape[2]))
         for row, _, v_start in self._bodies.floating:
@@ -114,7 +116,7 @@ class DifferentiatedForces:
         output.SetFromVector(joined(values, changes))
 
     def _output_spatial_forces(self, context: Context, output: AbstractValue) -> None:
-        wrenches, slopes = self._wrenches(context)
+        wrenches, slopes = self._forces.Eval(context)
         output.set_value(
             [
                 spatial_force(index, joined(wrenches[row], slopes[row]))
@@ -124,8 +126,10 @@ class DifferentiatedForces:
         )
 
     def _output_wrenches(self, context: Context, output: Any) -> None:
-        wrenches, slopes = self._wrenches(context)
-        output.SetFromVector(joined(wrenches.ravel(), slopes.reshape(wrenches.size, -1)))
+        wrenches, slopes = self._forces.Eval(context)
+        output.SetFromVector(
+            joined(wrenches.ravel(), slopes.reshape(wrenches.size, slopes.shape[2]))
+        )
 
 
 def _turn_of_quaternion(q: Floats) -> Floats:

@@ -245,6 +245,8 @@ def test_what_has_no_derivatives_says_so():
     context = contact.GetMyContextFromRoot(converted.CreateDefaultContext())
     with pytest.raises(RuntimeError, match="'contacts' of contact has no derivatives"):
         contact.GetOutputPort("contacts").Eval(context)
+    wrenches = contact.GetOutputPort("body_wrenches").Eval(context)  # by no variable
+    assert_allclose(ExtractValue(wrenches.reshape(-1, 1))[11], 0.0, atol=1e-9)
 
 
 def simulated_step(scene: Scene, x: np.ndarray, u: float, state: ContactState) -> np.ndarray:
