@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,8 @@ class SavedContext:
         Left out is what belongs to Drake's C++ alone: a discrete plant's sampled output ports tell
         of the last step again after the next one.
     inputs
-        Path of each input port that is fixed, and its value.
+        Of each input port that is fixed: the numbers of the systems it lies in, as they were added
+        to their diagrams, and its own; and its value.
 
     Examples
     --------
@@ -81,7 +82,7 @@ class SavedContext:
     numeric: tuple[Floats, ...]
     states: dict[int, Any]
     parameters: dict[int, Any]
-    inputs: dict[str, Any]
+    inputs: dict[tuple[int, ...], Any]
 
     @classmethod
     def of(cls, system: System, context: Context) -> SavedContext:
@@ -102,8 +103,8 @@ class SavedContext:
             _known(context.num_abstract_states(), context.get_abstract_state),
             _known(context.num_abstract_parameters(), context.get_abstract_parameter),
             {
-                port.GetFullDescription(): _value_of(port, own)
-                for port, own in _unfed_ports(system, context)
+                path: _value_of(port, own)
+                for path, port, own in _unfed_ports(system, context)
                 if port.HasValue(own)
             },
         )
@@ -126,16 +127,14 @@ class SavedContext:
                     f"the context was saved of another system: its {name} values are of sizes "
                     f"{others}, those of this one {mine}; build the diagram as it was built then"
                 )
-        ports = {
-            port.GetFullDescription(): (port, at) for port, at in _unfed_ports(system, context)
-        }
+        ports = {path: (port, at) for path, port, at in _unfed_ports(system, context)}
         lacking = sorted(set(self.inputs) - set(ports))
         states = max(self.states, default=-1), max(self.parameters, default=-1)
         here = context.num_abstract_states(), context.num_abstract_parameters()
         if lacking or states[0] >= here[0] or states[1] >= here[1]:
             raise ValueError(
                 "the context was saved of another system: this one lacks "
-                + (f"the input port {lacking[0]}" if lacking else "some of its abstract values")
+                + (f"an input port at {lacking[0]}" if lacking else "some of its abstract values")
                 + "; build the diagram as it was built then"
             )
         context.SetTime(self.time)
@@ -149,8 +148,8 @@ class SavedContext:
             context.get_mutable_abstract_state(i).set_value(value)
         for i, value in self.parameters.items():
             context.get_mutable_abstract_parameter(i).set_value(value)
-        for name, value in self.inputs.items():
-            port, at = ports[name]
+        for path, value in self.inputs.items():
+            port, at = ports[path]
             port.FixValue(at, value)
 
 
@@ -176,23 +175,26 @@ def _value_of(port: InputPort, context: Context) -> Any:
     return np.array(value) if port.get_data_type() == PortDataType.kVectorValued else value
 
 
-def _unfed_ports(system: System, context: Context) -> Iterator[tuple[InputPort, Context]]:
+_Unfed: TypeAlias = Iterator[tuple[tuple[int, ...], InputPort, Context]]
+
+
+def _unfed_ports(system: System, context: Context) -> _Unfed:
     """Yield the input ports that nothing feeds, and where they are fixed if they are."""
     for i in range(system.num_input_ports()):
-        yield system.get_input_port(i), context
-    yield from _unfed_within(system, context)
+        yield (i,), system.get_input_port(i), context
+    yield from _unfed_within(system, context, ())
 
 
-def _unfed_within(system: System, context: Context) -> Iterator[tuple[InputPort, Context]]:
+def _unfed_within(system: System, context: Context, path: tuple[int, ...]) -> _Unfed:
     if not isinstance(system, Diagram):
         return
     fed = set(system.connection_map())
     for i in range(system.num_input_ports()):
         fed.update(system.GetInputPortLocators(InputPortIndex(i)))
-    for inner in system.GetSystems():
+    for number, inner in enumerate(system.GetSystems()):
         own = system.GetSubsystemContext(inner, context)
         for i in range(inner.num_input_ports()):
             port = inner.get_input_port(i)
             if (inner, port.get_index()) not in fed:
-                yield port, own
-        yield from _unfed_within(inner, own)
+                yield (*path, number, i), port, own
+        yield from _unfed_within(inner, own, (*path, number))

@@ -17,7 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 from systems import AddNonlinearDamperContact, ContactConfig, SavedContext
 
 KINDS = ["implicit", "explicit", "continuous"]
-HALFWAY, END = 0.05, 0.1  # [s] the ball hits, the box slides, the slider pushes it
+HALFWAY, END = 0.04, 0.06  # [s] the ball hits, the box slides, the slider pushes it
 
 
 def make_simulator(kind: str, bodies: int = 2) -> Simulator:
@@ -83,7 +83,7 @@ def resume(kind: str, saved: str, resumed: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_another_process_goes_on_with_the_same_bits(kind, tmp_path):
-    # What is not saved, be it a digit or what a step has reported, shows within 0.05 s.
+    # What is not saved, be it a digit or what a step has reported, shows within 0.02 s.
     simulator = make_simulator(kind)
     simulator.AdvanceTo(HALFWAY)
     saved = SavedContext.of(simulator.get_system(), simulator.get_context())
