@@ -11,6 +11,7 @@ from systems.nonlinear_damper_contact import NonlinearDamperContact
 from systems.parse_model import parse_model
 from systems.plant_cspace import PlantCSpace
 from systems.saved_context import SavedContext
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.station import OpenForcePorts
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "ContactForceVisualizer",
     "ContactLawConfig",
     "FrictionConfig",
+    "LinearizedStep",
     "MeshBody",
     "NonlinearDamperContact",
     "OpenForcePorts",

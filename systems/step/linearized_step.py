@@ -31,6 +31,21 @@ class LinearizedStep(NamedTuple):
         (nx,), (nu,), (nx,): about which.
     time_step
         [s]
+
+    Examples
+    --------
+    A free mass of 2 kg as a system of Drake's; `NonlinearDamperContact.LinearizeStep` makes such a
+    step of a plant in contact.
+
+    >>> import numpy as np
+    >>> from pydrake.systems.primitives import LinearSystem
+    >>> from systems import LinearizedStep
+    >>> h, rest = 0.01, np.zeros(2)
+    >>> A, B = np.array([[1, h], [0, 1]]), np.array([[h * h / 2], [h / 2]])
+    >>> step = LinearizedStep(A, B, x=rest, u=np.zeros(1), x_next=rest, time_step=h)
+    >>> system = LinearSystem(step.A, step.B, np.eye(2), np.zeros((2, 1)), step.time_step)
+    >>> system.time_period()
+    0.01
     """
 
     A: Floats
