@@ -10,6 +10,8 @@ from systems.monitors.witness_pair_visualizer import WitnessPairVisualizer
 from systems.nonlinear_damper_contact import NonlinearDamperContact
 from systems.parse_model import parse_model
 from systems.plant_cspace import PlantCSpace
+from systems.saved_context import SavedContext
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.station import OpenForcePorts
 
 __all__ = [
@@ -18,12 +20,14 @@ __all__ = [
     "ContactForceVisualizer",
     "ContactLawConfig",
     "FrictionConfig",
+    "LinearizedStep",
     "MeshBody",
     "NonlinearDamperContact",
     "OpenForcePorts",
     "PairConfig",
     "PairWrenches",
     "PlantCSpace",
+    "SavedContext",
     "SweptContactMonitor",
     "WitnessPairVisualizer",
     "add_mesh_body",

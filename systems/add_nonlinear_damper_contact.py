@@ -98,6 +98,7 @@ def AddNonlinearDamperContact(
         model,
         bodies,
         implicit=implicit,
+        hold_anchors=config.hold_anchors,
         max_step=config.max_step,
         when_deep=config.when_deep,
         when_chattering=config.when_chattering,

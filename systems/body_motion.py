@@ -37,7 +37,9 @@ class BodyMotion:
         self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], *, lists_only: bool = False
     ) -> None:
         X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
-        rows, q_start, v_start = [], [], []
+        rows: list[int] = []
+        q_start: list[int] = []
+        v_start: list[int] = []
         self._listed: list[tuple[int, BodyIndex]] = []
         context = plant.CreateDefaultContext()
         for row, index in enumerate(bodies):
@@ -50,7 +52,7 @@ class BodyMotion:
                 v_start.append(body.floating_velocities_start_in_v())
             else:
                 self._listed.append((row, index))
-        self._uses_state = bool(rows)
+        self._starts = list(zip(rows, q_start, v_start, strict=True))
         self._floating = FloatingBodies(
             rows,
             q_start,
@@ -63,12 +65,22 @@ class BodyMotion:
     @property
     def uses_state(self) -> bool:
         """Whether a body is read from the state."""
-        return self._uses_state
+        return bool(self._starts)
 
     @property
     def uses_lists(self) -> bool:
         """Whether a body is read from the lists."""
         return bool(self._listed)
+
+    @property
+    def floating(self) -> list[tuple[int, int, int]]:
+        """Row of each body read from the state, and where its numbers start in q and in v."""
+        return self._starts
+
+    @property
+    def listed(self) -> list[tuple[int, BodyIndex]]:
+        """Row of each body read from the lists, and its index in them."""
+        return self._listed
 
     def read_state(self, state: Floats) -> tuple[Floats, Floats]:
         """Return poses X_WB (nb, 4, 4) and velocities V_WB (nb, 6) = [w; v] from the state [q; v].

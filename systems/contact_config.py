@@ -146,6 +146,9 @@ class ContactConfig(ContactLawConfig):
     discrete
         How contact meets the steps of a discrete plant: "implicit" (solved with the step, stable at
         any stiffness) or "explicit" (as the step begins, for comparison).
+    hold_anchors
+        Leave friction's anchors where `NonlinearDamperContact.SetContactState` puts them, so that
+        contact of a continuous plant has no state: for `Linearize` and trajectory optimization.
     max_step
         Longest step [s] of a continuous plant, so that nothing crosses a body unseen; 0: no limit.
     when_deep
@@ -184,6 +187,7 @@ class ContactConfig(ContactLawConfig):
     tessellation_tolerance: float = 0.005
     half_space_reach: float = 100.0
     discrete: str = "implicit"
+    hold_anchors: bool = False
     max_step: float = 0.005
     when_deep: str = "warn"
     when_chattering: str = "raise"

@@ -20,14 +20,18 @@ from pydrake.systems.framework import (
     State,
 )
 
-from contact_toolkit import ContactModel
+from contact_toolkit import ContactModel, ContactState
+from systems.contact_system import ContactSystem
 from systems.diagnostics.contact_watch import ContactWatch
 from systems.diagnostics.initial_overlap import InitialOverlap
+from systems.forces.differentiated_forces import DifferentiatedForces
 from systems.forces.explicit_forces import ExplicitForces
 from systems.forces.force_source import ForceSource
+from systems.forces.held_forces import HeldForces
 from systems.forces.implicit_forces import ImplicitForces
 from systems.plant.body_pair import BodyPair
 from systems.step.implicit_step import ImplicitStep
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.planning import TakenPairs
 from systems.wiring.plant_inputs import PlantInputs
@@ -35,7 +39,7 @@ from systems.wiring.plant_inputs import PlantInputs
 Floats: TypeAlias = NDArray[np.float64]
 
 
-class NonlinearDamperContact(LeafSystem):
+class NonlinearDamperContact(ContactSystem):
     """Pushes and rubs the bodies of a plant that touch, in place of its built-in contact.
 
     `AddNonlinearDamperContact` makes and connects one. By hand: connect the inputs to the plant's
@@ -84,6 +88,12 @@ class NonlinearDamperContact(LeafSystem):
     that would soon be a tenth of a second apart. So it never steps longer than `max_step`; steps
     still too long for a contact are warned of, with the accuracy to ask of the integrator.
 
+    Contact of a continuous plant goes along when Drake converts the diagram to AutoDiffXd: forces
+    then carry the derivatives of the springs, at the contact state that the context holds. With
+    `hold_anchors` this state is a parameter (`SetContactState`) and there is no other, as Drake's
+    `Linearize` and trajectory optimization want it. Of a discrete plant's steps, `LinearizeStep`
+    gives the derivatives.
+
     Parameters
     ----------
     plant
@@ -94,6 +104,9 @@ class NonlinearDamperContact(LeafSystem):
         The plant's body for each body of the model.
     implicit
         Makes the implicit step, when the first is due. None: explicit, or the plant is continuous.
+    hold_anchors
+        Of a continuous plant: forces depend on poses and velocities alone; friction's anchors stay
+        where `SetContactState` puts them, and every contact without one is new.
     lists_only
         Read and push floating bodies through the lists too: slower, and equal to round-off.
     max_step
@@ -141,6 +154,7 @@ class NonlinearDamperContact(LeafSystem):
         bodies: Sequence[BodyIndex],
         *,
         implicit: Callable[[], ImplicitStep] | None = None,
+        hold_anchors: bool = False,
         lists_only: bool = False,
         max_step: float = 0.005,
         when_deep: str = "warn",
@@ -158,19 +172,29 @@ class NonlinearDamperContact(LeafSystem):
         watch = ContactWatch(
             plant, model, bodies, when_deep=when_deep, when_chattering=when_chattering
         )
-        self._source: ForceSource = (
-            ImplicitForces(self, plant, model, self._motion, self._inputs, implicit, watch)
-            if implicit and self._inputs
-            else ExplicitForces(self, model, self._motion, watch)
-        )
+        if hold_anchors and plant.time_step() > 0:
+            raise ValueError(
+                "anchors can be held in a continuous plant only (time_step=0); of a discrete "
+                "plant's step take contact.LinearizeStep(context)"
+            )
+        self._source: ForceSource
+        if implicit and self._inputs:
+            self._source = ImplicitForces(
+                self, plant, model, self._motion, self._inputs, implicit, watch
+            )
+        elif hold_anchors:
+            self._source = HeldForces(self, model, self._motion)
+        else:
+            self._source = ExplicitForces(self, model, self._motion, watch)
         self._overlap = InitialOverlap(
             plant, model, bodies, policy=initial_overlap, easing_time=easing_time
         )
         self._declare_outputs(plant.num_velocities())
-        self.DeclareInitializationUnrestrictedUpdateEvent(update=self._begin)
+        if not hold_anchors:
+            self.DeclareInitializationUnrestrictedUpdateEvent(update=self._begin)
         if implicit:
             self.DeclarePeriodicUnrestrictedUpdateEvent(plant.time_step(), 0.0, self._advance)
-        else:
+        elif not hold_anchors:
             self.DeclarePerStepUnrestrictedUpdateEvent(update=self._advance)
         if not max_step >= 0:
             raise ValueError(f"max_step must be a time [s] >= 0, not {max_step}")
@@ -208,6 +232,64 @@ class NonlinearDamperContact(LeafSystem):
         pair = BodyPair(self._model, body_a, body_b)
         contacts = self._source.forces(own).contacts
         return pair.wrench(contacts, self.get_poses_output_port().Eval(own))
+
+    def GetContactState(self, context: Context) -> ContactState:
+        """Return friction's anchors and what else lasts from step to step, in a root context.
+
+        As the present leaves it, were it the end of a step. It can be pickled, and any model equal
+        to `model` takes it, such as that of another diagram built alike.
+        """
+        return self._source.present_state(self.GetMyContextFromRoot(context))
+
+    def SetContactState(self, context: Context, contact_state: ContactState) -> None:
+        """Put a contact state into a root context: contact goes on from it."""
+        self._source.set_state(self.GetMyMutableContextFromRoot(context), contact_state)
+
+    def LinearizeStep(self, context: Context, input_port: str = "actuation") -> LinearizedStep:
+        """Linearize the step of a discrete plant that starts at a root context, as it is solved.
+
+        By the plant's state and by one of its vector input ports; friction's anchors are those of
+        the start. It is the derivative of the implicit step itself. What slips, or is about to,
+        stands at a kink: the derivative is that of one side.
+
+        Raises
+        ------
+        ValueError
+            Where the plant has no such port.
+        RuntimeError
+            For a plant that takes no implicit steps (a continuous one is linearized by Drake's
+            `Linearize`, with `hold_anchors`), and Drake's own where it cannot differentiate the
+            plant's update: joint limits in play, constraints, contact of other bodies.
+
+        Examples
+        --------
+        >>> from pydrake.multibody.parsing import Parser
+        >>> from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+        >>> from pydrake.systems.framework import DiagramBuilder
+        >>> from systems import AddNonlinearDamperContact
+        >>> MODEL = '''<mujoco model="fall"><worldbody><geom type="plane" size="1 1 1"/>
+        ...   <body name="ball" pos="0 0 0.0499"><freejoint/><geom size="0.05"/></body>
+        ... </worldbody></mujoco>'''
+        >>> builder = DiagramBuilder()
+        >>> plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.002)
+        >>> _ = Parser(plant).AddModelsFromString(MODEL, "xml")
+        >>> plant.Finalize()
+        >>> contact = AddNonlinearDamperContact(builder, plant, scene_graph)
+        >>> diagram = builder.Build()
+        >>> context = diagram.CreateDefaultContext()
+        >>> step = contact.LinearizeStep(context, "applied_generalized_force")
+        >>> step.A.shape, step.B.shape
+        ((13, 13), (13, 6))
+        """
+        return self._source.linearize_step(self.GetMyContextFromRoot(context), input_port)
+
+    def convert_to(self, system: LeafSystem) -> None:
+        """Declare ports and state in a system of AutoDiffXd; called by Drake's `ToAutoDiffXd`.
+
+        Raises RuntimeError where contact is solved with the step of a discrete plant.
+        """
+        contact_state = self._source.declare_in(system)
+        DifferentiatedForces(system, self, self._model, self._motion.bodies, contact_state)
 
     def RestoreFilters(self, context: Context) -> None:
         """Let Drake see the pairs taken from it again, in a root context made for planning.

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import enum
+import hashlib
+import json
 import math
 from collections.abc import Sequence
+from dataclasses import asdict, replace
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -15,8 +19,10 @@ from contact_toolkit.contact.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.contact.friction import Friction
 from contact_toolkit.contact.inside import require_inside, tell_of_repairs
 from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb, PointWeb
+from contact_toolkit.contact.wrench_slopes import wrench_slopes
 from contact_toolkit.query.arguments import as_pose, as_threads
 from contact_toolkit.shapes.mesh import CollisionMesh
+from contact_toolkit.shapes.shared_mesh import surface_digest
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +56,9 @@ class ContactModel:
 
     Every method is one native call without the interpreter's lock; results are immutable, and the
     same bits on any number of threads. Contact far from F's origin loses no accuracy.
+
+    The model and all it hands out can be pickled. Models of equal geometries and pairs, in one
+    process or in several, take each other's states and springs, and go on with the same bits.
 
     Parameters
     ----------
@@ -118,9 +127,38 @@ class ContactModel:
             _native_geometry(geometry, body)
             for geometry, body in zip(self._geometries, self._geometry_bodies, strict=True)
         ]
+        self._threads = threads
         self._native = _core.ContactModel(
-            len(self._bodies), native_geometries, native_pairs, as_threads(threads)
+            len(self._bodies), native_geometries, native_pairs, as_threads(threads), self._id()
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what the model was made of."""
+        return _remake, (self._bodies, self._geometries, self._pairs, self._threads)
+
+    def __copy__(self) -> ContactModel:
+        """Return itself: immutable."""
+        return self
+
+    def __deepcopy__(self, memo: dict[int, object]) -> ContactModel:
+        """Return itself: immutable."""
+        return self
+
+    def _id(self) -> int:
+        """Return a number that models of equal geometries and pairs have in common."""
+        digest = hashlib.blake2b(f"{len(self._bodies)} bodies".encode(), digest_size=8)
+        surfaces = {id(each.mesh): each.mesh for each in self._geometries}
+        digests = {key: surface_digest(mesh) for key, mesh in surfaces.items()}
+        for geometry, body in zip(self._geometries, self._geometry_bodies, strict=True):
+            digest.update(digests[id(geometry.mesh)])
+            digest.update(f"{body} {as_pose(geometry.X_BG, 'X_BG').tolist()}".encode())
+        kinds: dict[ContactPair, int] = {}  # seldom many
+        for pair in self._pairs:
+            kind = kinds.setdefault(replace(pair, a=0, b=0), len(kinds))
+            digest.update(f"{pair.a} {pair.b} {kind};".encode())
+        for each in kinds:
+            digest.update(json.dumps(asdict(each), default=float).encode())
+        return int.from_bytes(digest.digest(), "little") or 1
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -228,6 +266,39 @@ class ContactModel:
         """
         return self._native.linearize(X_FB, V_FB, state, symmetric)
 
+    def differentiate(
+        self,
+        X_FB: Floats,
+        V_FB: Floats,
+        dX_FB: Floats,
+        dV_FB: Floats,
+        state: ContactState | None = None,
+    ) -> Floats:
+        """Differentiate the wrenches on all bodies along motions, at the state's anchors.
+
+        What `linearize` says of each pair, added up over the bodies as all of them move.
+
+        Parameters
+        ----------
+        X_FB
+            (nb, 4, 4) poses of the bodies.
+        V_FB
+            (nb, 6) angular velocity [rad/s], then velocity of the origin [m/s], of each body, in F.
+        dX_FB
+            (nb, 6, n) n motions: how each body turns [rad], then how its origin moves [m], in F.
+        dV_FB
+            (nb, 6, n) how `V_FB` changes with them.
+        state
+            Of the last accepted step; without it every contact is new.
+
+        Returns
+        -------
+        Floats
+            (nb, 6, n) changes of `Forces.body_wrenches`.
+        """
+        linear = self.linearize(X_FB, V_FB, state)
+        return wrench_slopes(linear, X_FB, V_FB, dX_FB, dV_FB)
+
     def coast(self, state: ContactState, duration: float) -> Forces | None:
         """Compute the forces were bodies to go on for `duration` [s] from the state's step.
 
@@ -249,6 +320,15 @@ class ContactModel:
         What such a step takes beyond the law goes to `ContactState.numerical_loss`.
         """
         return self._native.advance_implicitly(state, time, forces)
+
+
+def _remake(
+    bodies: tuple[str, ...],
+    geometries: tuple[ContactGeometry, ...],
+    pairs: tuple[ContactPair, ...],
+    threads: int | None,
+) -> ContactModel:
+    return ContactModel(bodies, geometries, pairs, threads=threads)
 
 
 # What webs prepare for a mesh, for as long as the mesh lives.

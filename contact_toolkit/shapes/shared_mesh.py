@@ -11,10 +11,17 @@ from contact_toolkit.shapes.mesh import CollisionMesh
 _meshes: WeakValueDictionary[bytes, CollisionMesh] = WeakValueDictionary()
 
 
-def shared_mesh(mesh: CollisionMesh) -> CollisionMesh:
-    """Return the first mesh that is equal to this one in all it was made of, and still alive."""
-    digest = hashlib.blake2b(repr((mesh.primitive, mesh.source)).encode(), digest_size=20)
-    for array in (mesh.vertices, mesh.faces, mesh.welded):
+def surface_digest(mesh: CollisionMesh) -> bytes:
+    """Return what names the surface, in any process: equal for equal vertices and facets."""
+    digest = hashlib.blake2b(repr(mesh.primitive).encode(), digest_size=20)
+    for array in (mesh.vertices, mesh.faces):
         digest.update(f"{array.shape}".encode())
         digest.update(array.tobytes())
+    return digest.digest()
+
+
+def shared_mesh(mesh: CollisionMesh) -> CollisionMesh:
+    """Return the first mesh that is equal to this one in all it was made of, and still alive."""
+    digest = hashlib.blake2b(surface_digest(mesh) + repr(mesh.source).encode(), digest_size=20)
+    digest.update(mesh.welded.tobytes())
     return _meshes.setdefault(digest.digest(), mesh)

@@ -8,10 +8,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
-from pydrake.systems.framework import Context, DependencyTicket, State
+from pydrake.systems.framework import Context, DependencyTicket, LeafSystem, State
 
 from contact_toolkit import ContactState, Forces
 from systems.step.implicit_step import SolvedStep
+from systems.step.linearized_step import LinearizedStep
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +35,14 @@ class ForceSource(ABC):
     record_ticket: DependencyTicket
 
     @abstractmethod
+    def set_state(self, context: Context, contact_state: ContactState) -> None:
+        """Put a contact state into the context, as if a step had just led to it."""
+
+    @abstractmethod
+    def declare_in(self, system: LeafSystem) -> Callable[[Context], ContactState]:
+        """Declare in another system what keeps the contact state; return what reads it there."""
+
+    @abstractmethod
     def forces(self, context: Context) -> Forces:
         """Return the contact forces at the present."""
 
@@ -52,6 +61,10 @@ class ForceSource(ABC):
     @abstractmethod
     def last_step(self, context: Context) -> SolvedStep | None:
         """Return the last implicit step, if there was one."""
+
+    @abstractmethod
+    def linearize_step(self, context: Context, input_port: str) -> LinearizedStep:
+        """Linearize the implicit step that starts here, by the state and an input of the plant."""
 
     @abstractmethod
     def begin(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from systems.diagnostics.step_watch import StepWatch
 from systems.forces.force_source import ForceSource
 from systems.python_cache import holding, producer
 from systems.step.implicit_step import ImplicitStep, SolvedStep
+from systems.step.linearized_step import LinearizedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.plant_inputs import PlantInputs
 
@@ -50,6 +51,11 @@ class StepRecord(NamedTuple):
     def __deepcopy__(self, memo: dict[int, object]) -> StepRecord:
         """Return itself: immutable, so a context may copy it for free."""
         return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle it without lists of forces: Drake does not pickle them, and they never agree."""
+        arrays = {name: each for name, each in self.inputs.items() if isinstance(each, np.ndarray)}
+        return StepRecord, (self.state, self.x, arrays, self.step, self.reported)
 
 
 class ImplicitForces(ForceSource):
@@ -152,6 +158,25 @@ class ImplicitForces(ForceSource):
                 if self._step is None:
                     self._step = self._make_step()
         return self._step
+
+    def linearize_step(self, context: Context, input_port: str) -> LinearizedStep:
+        record: StepRecord = self._solved.Eval(context)
+        assert record.step is not None
+        x, inputs = self._motion.state.Eval(context), self._inputs.read(context)
+        return self._implicit_step().linearize(x, inputs, record.state, record.step, input_port)
+
+    def set_state(self, context: Context, contact_state: ContactState) -> None:
+        reported = self._eval_record(context).reported
+        record = StepRecord(contact_state, b"", {}, None, reported)
+        context.get_mutable_abstract_state(self._record).set_value(record)
+
+    def declare_in(self, system: LeafSystem) -> Callable[[Context], ContactState]:
+        del system
+        raise RuntimeError(
+            "contact of a discrete plant is solved with its step, and has no AutoDiffXd: take "
+            "contact.LinearizeStep(context) for the derivatives of a step, or a continuous plant "
+            "(time_step=0)"
+        )
 
     def forces(self, context: Context) -> Forces:
         return self._present.Eval(context)[1]

@@ -13,6 +13,7 @@ from pydrake.multibody.tree import BodyIndex, JointActuatorIndex, JointIndex
 
 from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
+from systems.step.linearized_step import LinearizedStep, StepSlopes
 from systems.step.plant_twin import PlantTwin, TwinAtState
 
 Floats = NDArray[np.float64]
@@ -94,6 +95,8 @@ class ImplicitStep:
         pairs: Sequence[GeometryPair],
     ) -> None:
         self._twin = PlantTwin(plant, scene_graph, pairs)
+        self._model, self._bodies = model, tuple(bodies)
+        self._slopes: StepSlopes | None = None  # when the first is asked for
         self._step = plant.time_step()
         self._nq, self._nv = plant.num_positions(), plant.num_velocities()
         trees = _Trees(self._twin.plant, bodies, self._twin.touching)
@@ -182,6 +185,21 @@ class ImplicitStep:
                 floating = np.setdiff1d(np.arange(self._nv), dofs)
                 v_plain[floating] = v_free[floating]
         return SolvedStep(solution, aimed, forces, mismatch, round_, stiffening)
+
+    def linearize(
+        self,
+        x: Floats,
+        inputs: Mapping[str, object],
+        state: ContactState,
+        step: SolvedStep,
+        port: str,
+    ) -> LinearizedStep:
+        """Linearize a step that was solved, by x and by the values at one of the input ports."""
+        if self._slopes is None:
+            self._slopes = StepSlopes(
+                self._twin, self._model, self._bodies, self._jointed, self._X_WB, self._step
+            )
+        return self._slopes.at(x, inputs, state, step.velocities, port)
 
     def _known_gravity(self) -> Floats | None:
         """Return the gravity under which the native free motion is the plant's; None: it is not."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, JacobianWrtVariable, JointActuatorIndex
-from pydrake.systems.framework import Context, DiagramBuilder, State
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
 
 from systems.plant.pairs import GeometryPair
 from systems.wiring.builtin_contact import take_over_pairs
@@ -73,6 +73,11 @@ class PlantTwin:
     def default_context(self) -> Context:
         """Return a context of the copy, at its default state."""
         return self._plant.CreateDefaultContext()
+
+    def with_derivatives(self) -> tuple[Diagram, MultibodyPlant]:
+        """Return a copy of AutoDiffXd, and the plant in it."""
+        diagram = self._diagram.ToAutoDiffXd()
+        return diagram, diagram.GetSystems()[0]
 
     def at(self, q: Floats, v: Floats, inputs: Mapping[str, object]) -> TwinAtState:
         """Return the twin at a state, with values at the plant's input ports of these names."""

@@ -348,3 +348,52 @@ def test_bodies_apart_have_no_stiffness():
     found = model.linearize(scenes.poses((0, 0, 0.3)), scenes.velocities())
     assert len(found) == 0
     assert found.stiffness.shape == (0, 6, 6)
+
+
+@pytest.mark.parametrize("web", [AreaWeb(0.002), FacetWeb(0.004)], ids=["area", "facets"])
+def test_wrenches_on_all_bodies_change_as_they_move(web):
+    # A body that carries others along, or a moment about an origin that moves, is left out.
+    meshes = [CollisionMesh(*mesh_shapes.ball(2, radius=RADIUS)) for _ in range(3)]
+    geometries = [
+        ContactGeometry(f"g{i}", i, mesh, pose(0.3 * i * np.ones(3), [0.01 * i, -0.02, 0.01]))
+        for i, mesh in enumerate(meshes)
+    ]
+    damper = NonlinearDamper(k=1e3 if isinstance(web, FacetWeb) else 1e9, alpha=0.4)
+    pairs = [ContactPair(b, a, damper, web, Friction(0.5)) for a, b in ((0, 1), (1, 2), (0, 2))]
+    model = ContactModel(["a", "b", "c"], geometries, pairs)
+    # Their centres are the corners of a triangle.
+    apart = 2 * RADIUS + (1e-3 if isinstance(web, FacetWeb) else -1e-3)
+    corners = apart * np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.866, 0.01]])
+    turns = [[0.1, 0.2, 0.3], [0.2, -0.5, 0.3], [1.2, 0.5, -0.3]]
+    X_FB = np.stack([pose(turn, corner) for turn, corner in zip(turns, corners, strict=True)])
+    for X_FBi, geometry in zip(X_FB, geometries, strict=True):
+        X_FBi[:3, 3] -= X_FBi[:3, :3] @ geometry.X_BG[:3, 3]
+    V_FB = np.random.default_rng(4).normal(size=(3, 6)) * np.repeat([1.0, 0.05], 3)
+
+    def moved(motion: Floats) -> Floats:
+        X = X_FB.copy()
+        for body, xi in enumerate(motion):
+            X[body, :3, :3] = turned(xi[:3]) @ X[body, :3, :3]
+            X[body, :3, 3] += xi[3:]
+        return X
+
+    before = model.evaluate(moved(-1e-4 * V_FB), V_FB)
+    state = model.advance(model.initial_state(), 0.0, before)
+    assert len(np.unique(state.forces.contacts.pair)) == 3
+
+    def wrenches(motion: Floats, velocity: Floats) -> Floats:
+        return model.evaluate(moved(motion), V_FB + velocity, state).body_wrenches
+
+    count = 18
+    dX, dV = (np.zeros((3, 6, 2 * count)) for _ in range(2))
+    dX.reshape(count, -1)[:, :count] = np.eye(count)
+    dV.reshape(count, -1)[:, count:] = np.eye(count)
+    slopes = model.differentiate(X_FB, V_FB, dX, dV, state)
+    for k in range(2 * count):
+        step = STEP if k < count else VELOCITY_STEP
+        ahead = wrenches(step * dX[..., k], step * dV[..., k])
+        behind = wrenches(-step * dX[..., k], -step * dV[..., k])
+        differences = (ahead - behind) / (2 * step)
+        scale = np.abs(differences / np.repeat([RADIUS, 1.0], 3)).max()
+        off = np.abs((slopes[..., k] - differences) / np.repeat([RADIUS, 1.0], 3))
+        assert off.max() < TOLERANCE * scale, k

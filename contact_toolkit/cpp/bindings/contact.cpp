@@ -9,8 +9,10 @@
 #include <string>
 
 #include "bindings/arrays.h"
+#include "bindings/immutable.h"
 #include "contact/contact_arrays.h"
 #include "contact/contact_model.h"
+#include "contact/fields.h"
 #include "web/facet_web.h"
 
 namespace contact_toolkit {
@@ -66,15 +68,16 @@ std::span<const Twist> TwistsOf(const Model& model, const NumbersIn& V_FB) {
 // Refuses what another model made: its pairs and webs are others.
 void RequireOwn(const Model& model, const LoadedSprings& loaded, const char* name) {
   if (loaded.model_id == model.id()) return;
-  throw nb::value_error((std::string(name) + " must come from this ContactModel, and come from "
-                                             "another; find the springs with this model")
+  throw nb::value_error((std::string(name) + " must come from this ContactModel or an equal one, "
+                                             "and come from another; find the springs with this "
+                                             "model")
                             .c_str());
 }
 void RequireOwn(const Model& model, const ContactState* state) {
   if (state == nullptr || state->model_id == 0 || state->model_id == model.id()) return;
   throw nb::value_error(
-      "state must come from this ContactModel, and comes from another; start from this model's "
-      "initial_state()");
+      "state must come from this ContactModel or an equal one, and comes from another; start from "
+      "this model's initial_state()");
 }
 
 LoadedPointer Find(const Model& model, const NumbersIn& X_FB, const ContactState* state) {
@@ -153,15 +156,6 @@ StatePointer AdvanceImplicitly(const Model& model, const StatePointer& state, do
   RequireFinite(time, "time");
   const nb::gil_scoped_release release;
   return model.AdvanceImplicitly(state, time, forces);
-}
-
-// Immutable objects are their own copies: a simulator may copy the values that hold them for free.
-template <typename C>
-void CopiesAreTheObject(C& bound) {
-  bound.def("__copy__", [](nb::handle self) { return nb::borrow(self); });
-  bound.def(
-      "__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); },
-      nb::arg("memo"));
 }
 
 // One array over the loaded pairs.
@@ -296,6 +290,7 @@ apart
 void BindLoadedSprings(nb::module_& m) {
   auto loaded = nb::class_<LoadedSprings>(m, "LoadedSprings", kLoadedSpringsDoc);
   CopiesAreTheObject(loaded);
+  PicklesAs(loaded, "LoadedSprings");
   loaded.def("__len__", [](const LoadedSprings& self) { return self.num_springs; })
       .def_prop_ro("pairs",
                    [](const LoadedSprings& self) {
@@ -339,8 +334,10 @@ auto Column(nb::handle self) {
 
 void BindContactArrays(nb::module_& m) {
   using C = ContactArrays;
-  nb::class_<C>(m, "ContactArrays", kContactArraysDoc)
-      .def("__len__", [](const C& self) { return self.pair.size(); })
+  auto arrays = nb::class_<C>(m, "ContactArrays", kContactArraysDoc);
+  CopiesAreTheObject(arrays);
+  PicklesAs(arrays, "ContactArrays");
+  arrays.def("__len__", [](const C& self) { return self.pair.size(); })
       .def("__repr__",
            [](const C& self) {
              const std::set<std::int32_t> pairs(self.pair.begin(), self.pair.end());
@@ -366,6 +363,7 @@ void BindContactArrays(nb::module_& m) {
 void BindForces(nb::module_& m) {
   auto forces = nb::class_<Forces>(m, "Forces", kForcesDoc);
   CopiesAreTheObject(forces);
+  PicklesAs(forces, "Forces");
   forces
       .def_prop_ro("body_wrenches",
                    [](nb::handle self) {
@@ -447,6 +445,9 @@ void BindLinearization(nb::module_& m) {
 void BindContactState(nb::module_& m) {
   auto state = nb::class_<ContactState>(m, "ContactState", kContactStateDoc);
   CopiesAreTheObject(state);
+  PicklesAs(state, "ContactState", [](ContactState* loaded) {
+    if (loaded->model_id != 0) loaded->id = NewStateId();
+  });
   state.def(nb::init<>())
       .def_ro("time", &ContactState::time)
       .def_prop_ro("losses",
@@ -514,8 +515,10 @@ void BindContact(nb::module_& m) {
   BindLinearization(m);
   BindContactState(m);
   nb::class_<Model>(m, "ContactModel")
-      .def(nb::init<int, std::vector<ContactGeometry>, std::vector<ContactPair>, int>(),
-           nb::arg("num_bodies"), nb::arg("geometries"), nb::arg("pairs"), nb::arg("threads"))
+      .def(nb::init<int, std::vector<ContactGeometry>, std::vector<ContactPair>, int,
+                    std::uint64_t>(),
+           nb::arg("num_bodies"), nb::arg("geometries"), nb::arg("pairs"), nb::arg("threads"),
+           nb::arg("id"))
       .def("find", &Find, nb::arg("X_FB"), nb::arg("state").none() = nb::none())
       .def("forces", &ComputeForces, nb::arg("loaded"), nb::arg("V_FB"),
            nb::arg("state").none() = nb::none())

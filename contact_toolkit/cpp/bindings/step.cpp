@@ -7,6 +7,8 @@
 #include <string>
 
 #include "bindings/arrays.h"
+#include "bindings/immutable.h"
+#include "contact/fields.h"
 #include "step/step_solver.h"
 
 namespace contact_toolkit {
@@ -88,7 +90,8 @@ StepTopology MakeTopology(int num_positions, int num_velocities, const std::vect
 
 void RequireStateOf(const StepSolver& solver, const ContactState& state) {
   if (state.model_id != 0 && state.model_id != solver.model().id()) {
-    throw nb::value_error("state must come from the solver's ContactModel, and comes from another");
+    throw nb::value_error(
+        "state must come from the solver's ContactModel or an equal one, and comes from another");
   }
 }
 
@@ -172,12 +175,10 @@ std::shared_ptr<const StepSolution> SolveUnderGravity(
 
 void BindStep(nb::module_& m) {
   using S = StepSolution;
-  nb::class_<S>(m, "StepSolution", kSolutionDoc)
-      .def("__copy__", [](nb::handle self) { return nb::borrow(self); })
-      .def(
-          "__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); },
-          nb::arg("memo"))
-      .def_ro("start_time", &S::start_time)
+  auto solution = nb::class_<S>(m, "StepSolution", kSolutionDoc);
+  CopiesAreTheObject(solution);
+  PicklesAs(solution, "StepSolution");
+  solution.def_ro("start_time", &S::start_time)
       .def_ro("end_time", &S::end_time)
       .def_prop_ro(
           "v", [](nb::handle self) { return ViewOf<double>(nb::cast<const S&>(self).v, 0, self); })

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/lazy.h"
 #include "math/vec.h"
 
@@ -22,6 +23,7 @@ struct Anchor {
 // The anchors of one pair, in the order of its springs at the last accepted step.
 class AnchorSet {
  public:
+  AnchorSet() = default;
   explicit AnchorSet(std::vector<Anchor> anchors) : anchors_(std::move(anchors)) {}
 
   const std::vector<Anchor>& anchors() const { return anchors_; }
@@ -34,6 +36,7 @@ class AnchorSet {
 
  private:
   std::int32_t Search(std::uint64_t key) const;
+  friend auto Fields(Of<AnchorSet> auto& self) { return std::tie(self.anchors_); }
 
   // An open-addressing hash table of indices; its length is a power of two.
   using Slots = std::vector<std::int32_t>;

@@ -25,12 +25,6 @@ bool SameBits(std::span<const T> a, std::span<const T> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
 }
 
-// Of a model or a state.
-std::uint64_t NextId() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 bool IsFinite(const Vec3& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
@@ -44,8 +38,8 @@ std::string NumbersOf(const Vec3& a) {
 }  // namespace
 
 ContactModel::ContactModel(int num_bodies, std::vector<ContactGeometry> geometries,
-                           std::vector<ContactPair> pairs, int threads)
-    : id_(NextId()),
+                           std::vector<ContactPair> pairs, int threads, std::uint64_t id)
+    : id_(id),
       num_bodies_(num_bodies),
       geometries_(std::move(geometries)),
       pairs_(std::move(pairs)),
@@ -318,7 +312,7 @@ std::shared_ptr<const ContactState> ContactModel::Eased(Easing easing) const {
     if (!(depth >= 0)) throw std::invalid_argument("depths must not be negative");
   }
   const auto state = std::make_shared<ContactState>();
-  state->id = NextId();
+  state->id = NewStateId();
   state->model_id = id_;
   state->easing = std::make_shared<const Easing>(std::move(easing));
   return state;
@@ -381,7 +375,7 @@ std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, doub
                                                  bool* dragged) const {
   const Forces* last = state.forces.get();
   const auto next = std::make_shared<ContactState>();
-  next->id = NextId();
+  next->id = NewStateId();
   next->model_id = id_;
   next->time = time;
   next->easing = state.easing;

@@ -21,11 +21,12 @@ namespace contact_toolkit {
 class ContactModel {
  public:
   ContactModel(int num_bodies, std::vector<ContactGeometry> geometries,
-               std::vector<ContactPair> pairs, int threads);
+               std::vector<ContactPair> pairs, int threads, std::uint64_t id);
 
   int num_bodies() const { return num_bodies_; }
-  // Tells models apart. Springs and states carry it: they mean nothing to another model, whose
-  // pairs and webs are others. States before the first step (0) go with any.
+  // Names what the model is made of: equal models have it in common, in any process; never 0.
+  // Springs and states carry it: they mean nothing to another model, whose pairs and webs are
+  // others. States before the first step (0) go with any.
   std::uint64_t id() const { return id_; }
   int threads() const { return threads_; }
   const std::vector<ContactGeometry>& geometries() const { return geometries_; }

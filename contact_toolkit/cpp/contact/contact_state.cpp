@@ -1,6 +1,7 @@
 #include "contact/contact_state.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace contact_toolkit {
 
@@ -12,6 +13,11 @@ PairState ContactState::StateOf(int pair) const {
 const Separation* ContactState::SeparationOf(int pair) const {
   const auto it = std::ranges::lower_bound(separations, pair, {}, &Separation::pair);
   return it != separations.end() && it->pair == pair ? &*it : nullptr;
+}
+
+std::uint64_t NewStateId() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 }  // namespace contact_toolkit

@@ -22,7 +22,7 @@ struct PairState {
 };
 
 struct ContactState : std::enable_shared_from_this<ContactState> {
-  std::uint64_t id = 0;        // tells states apart; 0 before the first step
+  std::uint64_t id = 0;        // tells states of a process apart; 0 before the first step
   std::uint64_t model_id = 0;  // of the ContactModel that took the step; 0 before the first step
   // Of the last accepted step; before the first, the time is −infinity and the rest empty.
   double time = -std::numeric_limits<double>::infinity();
@@ -42,5 +42,8 @@ struct ContactState : std::enable_shared_from_this<ContactState> {
   // [m] What is not felt of a pair's deformation.
   double Withheld(int pair) const { return easing ? easing->Withheld(pair, time) : 0; }
 };
+
+// For a state that is not the one before the first step.
+std::uint64_t NewStateId();
 
 }  // namespace contact_toolkit

@@ -59,6 +59,8 @@ struct Wrench {
 };
 static_assert(sizeof(Wrench) == 6 * sizeof(double));
 
+inline constexpr std::uint64_t kUnknownState = -1;
+
 struct Forces : std::enable_shared_from_this<Forces> {
   std::shared_ptr<const LoadedSprings> loaded;
   std::vector<Twist> V_FB;            // the body velocities, in F
@@ -68,7 +70,8 @@ struct Forces : std::enable_shared_from_this<Forces> {
   std::vector<std::size_t> first;     // index into `springs` of each loaded pair i
   std::vector<PairForce> pairs;       // of each loaded pair
   Energetics energetics;
-  std::uint64_t state_id = 0;  // of the contact state it was computed from; 0: of none
+  // Of the contact state it was computed from; 0: of none. As loaded: of none that is known.
+  std::uint64_t state_id = kUnknownState;
 
   std::span<SpringForce> SpringsOf(std::size_t i) { return {springs.data() + first[i], SizeOf(i)}; }
   std::span<const SpringForce> SpringsOf(std::size_t i) const {

@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <vector>
 
+#include "base/archive.h"
 #include "contact/contact_state.h"
 #include "contact/forces.h"
 #include "math/relative_motion.h"
@@ -69,5 +71,10 @@ struct StepSolution {
   int evaluations = 0;                         // of the contact forces
   double residual = 0;                         // largest over islands, relative to what drives them
 };
+
+auto Fields(Of<StepSolution> auto& self) {
+  return std::tie(self.start_time, self.end_time, self.v, self.generalized_forces, self.forces,
+                  self.status, self.islands, self.iterations, self.evaluations, self.residual);
+}
 
 }  // namespace contact_toolkit

@@ -24,10 +24,12 @@ std::array<std::int32_t, 3> VerticesOfFeature(const CollisionMesh& mesh, const F
   return mesh.faces()[feature.index];
 }
 
+using MeshPointer = std::shared_ptr<const CollisionMesh>;
+
 struct Candidates final : WebMemory {
-  Candidates(const CollisionMesh& A, const CollisionMesh& B, const Pose& X_AB, double standoff,
-             double slack)
-      : pairs(A, B, X_AB, standoff, slack) {}
+  Candidates(MeshPointer A, MeshPointer B, const Pose& X_AB, double standoff, double slack)
+      : A(std::move(A)), B(std::move(B)), pairs(*this->A, *this->B, X_AB, standoff, slack) {}
+  MeshPointer A, B;  // a state may outlive its model, and go on with an equal one
   WitnessCandidates pairs;
 };
 
@@ -69,7 +71,7 @@ std::shared_ptr<const WebMemory> FacetWeb::Remember(const SpringSet& /*springs*/
   }
   // Gathering must serve at least one more step such as the last.
   if (2 * motion > slack) return nullptr;
-  return std::make_shared<Candidates>(*A_, *B_, X_AB, standoff_, slack);
+  return std::make_shared<Candidates>(A_, B_, X_AB, standoff_, slack);
 }
 
 double FacetWeb::Clearance(const Pose& X_AB, double enough) const {
