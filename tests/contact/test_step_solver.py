@@ -4,8 +4,6 @@ Truths: the balance of momentum, worked out in numpy from what ContactModel says
 the end; that backward Euler makes no energy; that Newton's method converges quadratically.
 """
 
-from collections import Counter
-
 import mesh_shapes
 import numpy as np
 import pytest
@@ -63,10 +61,7 @@ class Scene:
         gyrations = [0.3 * np.ptp(mesh.vertices, axis=0).max() for mesh in meshes]
         # About the origin and as a ball's: in F the same.
         self.inertia = np.array(
-            [
-                np.diag([m * r**2] * 3 + [m] * 3)
-                for m, r in zip(masses, gyrations, strict=True)
-            ]
+            [np.diag([m * r**2] * 3 + [m] * 3) for m, r in zip(masses, gyrations, strict=True)]
         )
         unit = np.tile(np.eye(4), (count + 1, 1, 1))
         self.X_FB = unit.copy()

@@ -172,8 +172,8 @@ double StepEquations::SquaredSizeOf(const StepIsland& island, const auto& veloci
 }
 
 double StepEquations::FreeChange(const StepIsland& island) const {
-  return std::sqrt(SquaredSizeOf(
-      island, [this](int dof) { return problem_.v_free[dof] - problem_.v0[dof]; }));
+  return std::sqrt(
+      SquaredSizeOf(island, [this](int dof) { return problem_.v_free[dof] - problem_.v0[dof]; }));
 }
 
 double StepEquations::FreeEnergy(const StepIsland& island) const {

@@ -55,16 +55,16 @@ class StepSolver::Search {
     StepIsland joined;
     Phase phase = Phase::kSearching;
     StepStatus status = StepStatus::kConverged;
-    double merit = 0;          // |r|²
+    double merit = 0;           // |r|²
     bool patient = false;       // merits need only be below the largest of the last few
     std::deque<double> passed;  // those
-    double drive = 0;          // what the step does without contact
-    double length = 1;         // of the present trial, as a share of the Newton step
-    bool symmetric = false;    // take the symmetric part of Newton's matrix
-    bool stuck = false;        // neither matrix led any further
-    bool from_last = false;    // began at the velocities of the last step
-    bool still = false;        // moved so slowly in the last step that it began at none
-    std::vector<double> best;  // velocities of the best start so far
+    double drive = 0;           // what the step does without contact
+    double length = 1;          // of the present trial, as a share of the Newton step
+    bool symmetric = false;     // take the symmetric part of Newton's matrix
+    bool stuck = false;         // neither matrix led any further
+    bool from_last = false;     // began at the velocities of the last step
+    bool still = false;         // moved so slowly in the last step that it began at none
+    std::vector<double> best;   // velocities of the best start so far
     double best_merit = 0;
     int iterations = 0;
     BlockMatrix matrix;
@@ -124,8 +124,8 @@ class StepSolver::Search {
   // Whether it has to go on: from the velocities without contact or those of the last step,
   // whichever it has not been; from none, so that it comes upon surfaces from outside; from half of
   // each of the first two. Now with patience: where sticking turns to sliding, the way on may lead
-  // uphill for a while (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23(4), 1986). Keeps the
-  // best that it reached so far.
+  // uphill for a while (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23(4), 1986). Keeps
+  // the best that it reached so far.
   bool Restart(Island* island, int attempt) {
     if (!Failed(*island)) return false;
     if (attempt == 1 || island->merit < island->best_merit) {
@@ -149,9 +149,9 @@ class StepSolver::Search {
     return true;
   }
 
-  // Bodies that fly at each other are deep in each other at the end of a step, where forces no longer
-  // tell the way out. So where the start is worse than a stand without any contact would be, it is
-  // approached from a stand, as far as that is good.
+  // Bodies that fly at each other are deep in each other at the end of a step, where forces no
+  // longer tell the way out. So where the start is worse than a stand without any contact would be,
+  // it is approached from a stand, as far as that is good.
   void ApproachStarts() {
     std::vector<Island*> flying, others;
     for (Island& island : islands_) {
@@ -174,7 +174,8 @@ class StepSolver::Search {
       flying[i]->length = 0;  // no search: only its forces are wanted again
     }
     LineSearch();
-    for (Island* island : flying) island->symmetric = false;  // nothing is known of Newton's way yet
+    for (Island* island : flying)
+      island->symmetric = false;  // nothing is known of Newton's way yet
     for (Island* island : others) island->phase = Phase::kSearching;
   }
 

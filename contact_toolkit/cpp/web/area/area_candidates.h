@@ -170,7 +170,8 @@ class CandidateGatherer {
         AddParts(parts, i);
       }
     }
-    if (ask) candidates_.triangles[open].last = static_cast<std::int32_t>(candidates_.triangles.size());
+    if (ask)
+      candidates_.triangles[open].last = static_cast<std::int32_t>(candidates_.triangles.size());
   }
 
   void AddDeeper(const AreaPatch::Triangle& triangle, const AreaParts::Deeper& place) {

@@ -76,7 +76,7 @@ class AreaWeb::Loader {
   // Between runs the states, and the first loads, of all nodes are as they were made.
   struct Memory {
     std::vector<State> state;
-    std::vector<NodeLoad> loads;  // the first of each node, then further ones
+    std::vector<NodeLoad> loads;         // the first of each node, then further ones
     std::vector<std::uint64_t> touched;  // a bit a node: whether it was
     std::vector<Probed> probed;
     std::vector<std::uint8_t> heard;  // of the deeper parts, whether what they are parts of is open

@@ -388,9 +388,9 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
     const AreaCandidates::Triangle& triangle = candidates.triangles[t];
     if (triangle.ground != AreaCandidates::kSmallest) continue;
     const auto& [a, b, c] = triangle.node;
-    candidates.clearances[t] = std::min({candidates.nodes[a].clearance,
-                                         candidates.nodes[b].clearance,
-                                         candidates.nodes[c].clearance});
+    candidates.clearances[t] =
+        std::min({candidates.nodes[a].clearance, candidates.nodes[b].clearance,
+                  candidates.nodes[c].clearance});
   }
   memory->Prune();
   if (smooth_ || surface_->primitive()) return;

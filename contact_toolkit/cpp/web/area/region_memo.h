@@ -47,8 +47,7 @@ class RegionMemo {
     const std::uint32_t clear = value & ((1u << kHalfBits) - 1);
     if (clear == 0) return {};
     const double away = std::sqrt(point.squared_distance);
-    return {static_cast<std::int32_t>(value >> kHalfBits),
-            std::bit_cast<float>(clear << 16) - away,
+    return {static_cast<std::int32_t>(value >> kHalfBits), std::bit_cast<float>(clear << 16) - away,
             2 * std::sqrt(0.75) * spacing,
             kMostRounding * std::bit_cast<float>(clear << 16) + away};
   }
@@ -56,7 +55,7 @@ class RegionMemo {
  private:
   // A value is an index in 15 bits and a positive float without sign and the last 16 bits.
   static constexpr int kHalfBits = 15;
-  static constexpr double kRounding = 0.008;  // [-] more than the missing bits are worth
+  static constexpr double kRounding = 0.008;      // [-] more than the missing bits are worth
   static constexpr double kMostRounding = 1.017;  // [-] what stood there over what is kept
 
   static double LargestHalf(const CollisionMesh& mesh) {

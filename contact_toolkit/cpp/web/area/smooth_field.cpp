@@ -309,8 +309,7 @@ double SmoothField::LeastSharpDistance(const Vec3& p, double spacing) const {
 }
 
 bool SmoothField::MayBeExact(const Vec3& center, double radius, double way) const {
-  return LeastSharpDistance(center, 0.5 * radius) - way + radius <
-         (kWhole - kWeighedFrom) * cell_;
+  return LeastSharpDistance(center, 0.5 * radius) - way + radius < (kWhole - kWeighedFrom) * cell_;
 }
 
 bool SmoothField::IsSpline(const Vec3& center, double radius) const {
