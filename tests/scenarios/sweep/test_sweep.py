@@ -192,8 +192,12 @@ def test_two_sweeps_into_one_folder_are_one_and_a_refusal(folder, undisturbed):
     study, out = write_study(folder, MANY), folder / "two"
     first = command("sweep", study, "--out", out, "--workers", 2)
     wait_for((out / "sweep.json").is_file)
+    first.send_signal(signal.SIGSTOP)  # lest it be done before the second has begun
     second = command("sweep", study, "--out", out, "--workers", 1, "--resume")
-    assert "another sweep is writing" in " ".join(ends_with(second, 2).split())
+    try:
+        assert "another sweep is writing" in " ".join(ends_with(second, 2).split())
+    finally:
+        first.send_signal(signal.SIGCONT)
     ends_with(first, 0)
     assert rows_of(Dataset.load(out)) == undisturbed
 
