@@ -366,7 +366,7 @@ void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Sym
     side.w = V_FB_[side.body].w;
     if (side.tree >= 0) kinematics_.Differentiate(side.body, v, &side.changes);
   }
-  const auto& [a, b] = sides;
+  const Side &a = sides[0], &b = sides[1];
   const auto velocity_at = [&](const Side& side) {
     const Twist& V = V_FB_[side.body];
     return V.v + Cross(V.w, p_FP - X_FB_[side.body].p);
