@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import enum
-import hashlib
-import json
-import math
 from collections.abc import Sequence
-from dataclasses import asdict, replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +12,12 @@ from numpy.typing import NDArray
 from contact_toolkit import _core
 from contact_toolkit.contact.contact_pair import ContactGeometry, ContactPair
 from contact_toolkit.contact.friction import Friction
-from contact_toolkit.contact.inside import require_inside, tell_of_repairs
-from contact_toolkit.contact.spring_webs import AreaWeb, FacetWeb, PointWeb
+from contact_toolkit.contact.inside import tell_of_repairs
+from contact_toolkit.contact.model_id import model_id
+from contact_toolkit.contact.native_webs import NativeWebs
+from contact_toolkit.contact.spring_webs import AreaWeb, PointWeb
 from contact_toolkit.contact.wrench_slopes import wrench_slopes
 from contact_toolkit.query.arguments import as_pose, as_threads
-from contact_toolkit.shapes.mesh import CollisionMesh
-from contact_toolkit.shapes.shared_mesh import surface_digest
 
 Floats = NDArray[np.float64]
 
@@ -112,7 +107,7 @@ class ContactModel:
         self._geometries = tuple(geometries)
         self._pairs = tuple(pairs)
         self._geometry_bodies = tuple(_body_index(each, self._bodies) for each in self._geometries)
-        webs = _Webs(self._geometries)
+        webs = NativeWebs(self._geometries)
         native_pairs = []
         for index, pair in enumerate(self._pairs):
             where = _require_pair(index, pair, self._geometries, self._geometry_bodies)
@@ -129,7 +124,11 @@ class ContactModel:
         ]
         self._threads = threads
         self._native = _core.ContactModel(
-            len(self._bodies), native_geometries, native_pairs, as_threads(threads), self._id()
+            len(self._bodies),
+            native_geometries,
+            native_pairs,
+            as_threads(threads),
+            model_id(len(self._bodies), self._geometries, self._geometry_bodies, self._pairs),
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -143,22 +142,6 @@ class ContactModel:
     def __deepcopy__(self, memo: dict[int, object]) -> ContactModel:
         """Return itself: immutable."""
         return self
-
-    def _id(self) -> int:
-        """Return a number that models of equal geometries and pairs have in common."""
-        digest = hashlib.blake2b(f"{len(self._bodies)} bodies".encode(), digest_size=8)
-        surfaces = {id(each.mesh): each.mesh for each in self._geometries}
-        digests = {key: surface_digest(mesh) for key, mesh in surfaces.items()}
-        for geometry, body in zip(self._geometries, self._geometry_bodies, strict=True):
-            digest.update(digests[id(geometry.mesh)])
-            digest.update(f"{body} {as_pose(geometry.X_BG, 'X_BG').tolist()}".encode())
-        kinds: dict[ContactPair, int] = {}  # seldom many
-        for pair in self._pairs:
-            kind = kinds.setdefault(replace(pair, a=0, b=0), len(kinds))
-            digest.update(f"{pair.a} {pair.b} {kind};".encode())
-        for each in kinds:
-            digest.update(json.dumps(asdict(each), default=float).encode())
-        return int.from_bytes(digest.digest(), "little") or 1
 
     @property
     def bodies(self) -> tuple[str, ...]:
@@ -329,77 +312,6 @@ def _remake(
     threads: int | None,
 ) -> ContactModel:
     return ContactModel(bodies, geometries, pairs, threads=threads)
-
-
-# What webs prepare for a mesh, for as long as the mesh lives.
-_area_bodies: WeakKeyDictionary[CollisionMesh, _core.AreaBody] = WeakKeyDictionary()
-
-
-class _Webs:
-    """Makes the pairs' webs; what they prepare for a mesh is shared by all that touch with it."""
-
-    def __init__(self, geometries: Sequence[ContactGeometry]) -> None:
-        self._geometries = geometries
-
-    def make(self, pair: ContactPair) -> _core.SpringWeb:
-        match pair.web:
-            case AreaWeb() as web:
-                require_inside(web, self._geometries[pair.a], self._geometries[pair.b])
-                return _core.AreaWeb(
-                    self._area_body(pair.a),
-                    self._area_body(pair.b),
-                    pair.damper.k,
-                    pair.damper.n,
-                    web.standoff,
-                    _core.AreaField[web.field],
-                    -1.0 if web.resolution is None else web.resolution,
-                    _core.AreaSide[web.sampled],
-                    web.fillet,
-                    web.nominal_force or 0.0,
-                )
-            case FacetWeb() as web:
-                return _core.FacetWeb(
-                    self._mesh(pair.a),
-                    self._mesh(pair.b),
-                    pair.damper.k,
-                    pair.damper.n,
-                    web.standoff,
-                    _core.Weighting[web.weighting],
-                )
-            case PointWeb() as web:
-                return self._point_web(pair, web)
-        raise ValueError(f"web must be an AreaWeb, a FacetWeb or a PointWeb, not {pair.web!r}")
-
-    def _point_web(self, pair: ContactPair, web: PointWeb) -> _core.PointWeb:
-        radii = {side: _radius_of(self._geometries[side].mesh) for side in (pair.a, pair.b)}
-        ball = min(radii, key=radii.__getitem__)
-        other = pair.b if ball == pair.a else pair.a
-        if not math.isfinite(radii[ball]):
-            raise ValueError("a PointWeb needs a sphere, CollisionMesh.from_primitive; use AreaWeb")
-        if pair.damper.n != 1:
-            raise ValueError(f"a PointWeb is linear, n = 1, not {pair.damper.n}; use AreaWeb")
-        if not self._geometries[other].mesh.solid.has_inside:
-            raise ValueError(
-                f"a PointWeb needs a solid beside the sphere, and geometry "
-                f"{self._geometries[other].name!r} has no inside; mend it, or use AreaWeb"
-            )
-        body = self._area_body(other)
-        return _core.PointWeb(ball == pair.a, radii[ball], body, pair.damper.k, web.standoff)
-
-    def _mesh(self, geometry: int) -> _core.Mesh:
-        return self._geometries[geometry].mesh._core
-
-    def _area_body(self, geometry: int) -> _core.AreaBody:
-        mesh = self._geometries[geometry].mesh
-        if mesh not in _area_bodies:
-            _area_bodies[mesh] = mesh._area_body()
-        return _area_bodies[mesh]
-
-
-def _radius_of(mesh: CollisionMesh) -> float:
-    """Return the radius [m] of a primitive sphere; infinite of what is none."""
-    primitive = mesh.primitive
-    return primitive.size[0] if primitive and primitive.kind == "sphere" else math.inf
 
 
 def _native_geometry(geometry: ContactGeometry, body: int) -> _core.ContactGeometry:

@@ -37,9 +37,9 @@ def unite_seams(
 ) -> tuple[Geometries, list[GeometryPair]]:
     """Return the geometries with what is one solid as one geometry, and the pairs of these.
 
-    That are boxes, convex pieces and closed meshes of one body, of the same material and with the
+    Those are boxes, convex pieces and closed meshes of one body, of the same material and with the
     same partners, which touch, overlap or lie one within the other; so do shells within one mesh.
-    One goes by the id of the first, the pose of the first, and all names. Round primitives stay as
+    It goes by the id and the pose of the first, and by all names. Round primitives stay as
     they are: their surface is known exactly, and that of the union is not.
 
     Parameters
@@ -87,7 +87,7 @@ def _groups(keys: list[GeometryId], geometries: Geometries) -> Iterator[list[Geo
         for key in joined:
             group_of[key] = joined
     for group in {id(each): each for each in group_of.values()}.values():
-        yield sorted(group, key=list(geometries).index)
+        yield [key for key in keys if key in group]
 
 
 def _touch(a: ImportedGeometry, b: ImportedGeometry) -> bool:

@@ -3,16 +3,6 @@
 namespace contact_toolkit {
 namespace {
 
-Slope Apply(const Mat6& m, const Slope& a) {
-  const double x[6] = {a.rotation.x,    a.rotation.y,    a.rotation.z,
-                       a.translation.x, a.translation.y, a.translation.z};
-  double y[6] = {};
-  for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < 6; ++k) y[i] += m[i][k] * x[k];
-  }
-  return {{y[0], y[1], y[2]}, {y[3], y[4], y[5]}};
-}
-
 void SetColumn(int k, const Slope& column, Mat6* m) {
   for (int i = 0; i < 3; ++i) {
     (*m)[i][k] = column.rotation[i];
@@ -35,7 +25,7 @@ PairLinearization ReferToBody(const PairLinearization& of_geometry, const Mat3& 
   const Mat3 R_GF = Transpose(R_FG);
   const auto moved = [&](const Mat6& m, const Vec3& rotation, const Vec3& translation) {
     const Slope at_G{R_GF * rotation, R_GF * (translation + Cross(rotation, p_BG_F))};
-    const Slope wrench_G = Apply(m, at_G);
+    const Slope wrench_G = m * at_G;
     const Vec3 pull = R_FG * wrench_G.translation;
     return Slope{R_FG * wrench_G.rotation + Cross(p_BG_F, pull), pull};
   };

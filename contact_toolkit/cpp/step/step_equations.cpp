@@ -8,46 +8,13 @@
 #include "base/parallel.h"
 #include "base/tolerances.h"
 #include "contact/broad_phase.h"
-#include "contact/pair_linearization.h"
 #include "math/dense.h"
+#include "step/pair_derivative.h"
 
 namespace contact_toolkit {
 namespace {
 
 double Square(double x) { return x * x; }
-
-Slope operator*(const Mat6& m, const Slope& x) {
-  const double in[6] = {x.rotation.x,    x.rotation.y,    x.rotation.z,
-                        x.translation.x, x.translation.y, x.translation.z};
-  double out[6] = {};
-  for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < 6; ++k) out[i] += m.m[i][k] * in[k];
-  }
-  return {{out[0], out[1], out[2]}, {out[3], out[4], out[5]}};
-}
-
-// What of both parts a small rotation changes.
-Slope Turn(const Vec3& rotation, const Slope& x) {
-  return {Cross(rotation, x.rotation), Cross(rotation, x.translation)};
-}
-
-// R m Rᵀ on each of the four quarters.
-Mat6 Turned(const Mat3& R, const Mat6& m) {
-  Mat6 half, turned;
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) {
-      const int first = i / 3 * 3;
-      for (int k = 0; k < 3; ++k) half.m[i][j] += R.row[i - first][k] * m.m[first + k][j];
-    }
-  }
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) {
-      const int first = j / 3 * 3;
-      for (int k = 0; k < 3; ++k) turned.m[i][j] += half.m[i][first + k] * R.row[j - first][k];
-    }
-  }
-  return turned;
-}
 
 }  // namespace
 
@@ -348,69 +315,34 @@ void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Sym
   const ContactPair& pair = model_.pairs()[work.found.pair];
   PairLinearization linear;
   model_.LinearizeFound(work.found, X_FB_, V_FB_, &state_, symmetry, &linear);
-  const Mat3& R = work.found.X_FA.R;
-  const Mat6 S = Turned(R, linear.stiffness), D = Turned(R, linear.damping);
-  const Vec3 p_FP = work.found.X_FA.p;
-  const Slope wrench{R * work.total.torque, R * work.total.force};  // on A, about P
-  struct Side {
-    int body, tree;
-    Vec3 arm, w;  // of P from the origin; angular velocity
-    std::vector<BodyKinematics::Change> changes;
-  };
-  Side sides[2];
+  const Vec3& p_FP = work.found.X_FA.p;
+  int trees[2];
+  PairDerivative::Body bodies[2];
+  std::vector<BodyKinematics::Change> changes[2];
   for (int s = 0; s < 2; ++s) {
-    Side& side = sides[s];
-    side.body = model_.geometries()[s == 0 ? pair.a : pair.b].body;
-    side.tree = topology_.bodies[side.body].tree;
-    side.arm = p_FP - kinematics_.OriginOf(side.body, X_FB_[side.body]);
-    side.w = V_FB_[side.body].w;
-    if (side.tree >= 0) kinematics_.Differentiate(side.body, v, &side.changes);
+    const int body = model_.geometries()[s == 0 ? pair.a : pair.b].body;
+    const Twist& V = V_FB_[body];
+    bodies[s] = {p_FP - kinematics_.OriginOf(body, X_FB_[body]),
+                 {V.w, V.v + Cross(V.w, p_FP - X_FB_[body].p)}};
+    trees[s] = topology_.bodies[body].tree;
+    if (trees[s] >= 0) kinematics_.Differentiate(body, v, &changes[s]);
   }
-  const Side &a = sides[0], &b = sides[1];
-  const auto velocity_at = [&](const Side& side) {
-    const Twist& V = V_FB_[side.body];
-    return V.v + Cross(V.w, p_FP - X_FB_[side.body].p);
-  };
-  const Slope V_rel{a.w - b.w, velocity_at(a) - velocity_at(b)};
-  const bool whole = symmetry == Symmetry::kNone;
-  // Where A, with P, or B moves: how the wrench changes, and the arms. Of B with A at rest it is as
-  // if A moved the other way, and then all turned with B.
-  struct Moved {
-    Slope wrench;
-    Vec3 arm_a, arm_b;
-  };
-  const auto moved_a = [&](const BodyKinematics::Change& c) {
-    const Vec3 swing = Cross(c.turn, a.arm), way = c.way + swing;
-    Slope motion{c.turn, way}, faster{c.spin, c.speed + Cross(c.spin, a.arm)};
-    if (!whole) return Moved{-1.0 * (S * motion + D * faster), {}, {}};
-    faster.translation += Cross(a.w, swing) - Cross(b.w, way);
-    return Moved{-1.0 * (S * motion + D * faster), swing, way};
-  };
-  const auto moved_b = [&](const BodyKinematics::Change& c) {
-    const Slope motion{c.turn, c.way + Cross(c.turn, b.arm)};
-    Slope faster{c.spin, c.speed + Cross(c.spin, b.arm)};
-    if (!whole) return Moved{S * motion + D * faster, {}, {}};
-    faster.translation -= Cross(b.w, c.way);
-    faster += Turn(c.turn, V_rel);
-    return Moved{S * motion + D * faster + Turn(c.turn, wrench), {}, -c.way};
-  };
-  const double h = problem_.step;
+  const Mat3& R = work.found.X_FA.R;
+  const Slope wrench{R * work.total.torque, R * work.total.force};
+  const PairDerivative derivative(linear, R, wrench, bodies[0], bodies[1], symmetry);
   for (int t = 0; t < 2; ++t) {
-    if (sides[t].tree < 0) continue;
-    const int columns = topology_.trees[sides[t].tree].nv;
-    for (int column = 0; column < columns; ++column) {
-      const BodyKinematics::Change& change = sides[t].changes[column];
-      const Moved moved = t == 0 ? moved_a(change) : moved_b(change);
+    const std::size_t columns = changes[t].size();
+    for (std::size_t column = 0; column < columns; ++column) {
+      const BodyKinematics::Change& change = changes[t][column];
+      const auto moved = t == 0 ? derivative.ByA(change) : derivative.ByB(change);
       for (int s = 0; s < 2; ++s) {
-        if (sides[s].tree < 0) continue;
-        const Vec3& force = moved.wrench.translation;
-        const Vec3 moment = moved.wrench.rotation + Cross(sides[s].arm, force) +
-                            Cross(s == 0 ? moved.arm_a : moved.arm_b, wrench.translation);
-        double* block = matrix->Block(trees_[sides[s].tree].block, trees_[sides[t].tree].block);
-        for (std::size_t row = 0; row < sides[s].changes.size(); ++row) {
-          const BodyKinematics::Change& with = sides[s].changes[row];
-          const double f = Dot(with.spin, moment) + Dot(with.speed, force);
-          block[row * columns + column] -= (s == 0 ? h : -h) * f;
+        if (trees[s] < 0) continue;
+        const Slope& on = s == 0 ? moved.on_a : moved.on_b;
+        double* block = matrix->Block(trees_[trees[s]].block, trees_[trees[t]].block);
+        for (std::size_t row = 0; row < changes[s].size(); ++row) {
+          const BodyKinematics::Change& with = changes[s][row];
+          const double f = Dot(with.spin, on.rotation) + Dot(with.speed, on.translation);
+          block[row * columns + column] -= problem_.step * f;
         }
       }
     }

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "base/scratch.h"
@@ -14,6 +12,7 @@
 #include "web/area/area_slopes.h"
 #include "web/area/area_web.h"
 #include "web/area/clipped_integral.h"
+#include "web/area/node_table.h"
 #include "web/area/wedge_cut.h"
 
 namespace contact_toolkit {
@@ -37,7 +36,7 @@ class AreaWeb::Loader {
     motion_ = motion;
     springs_.status = kNominal;
     springs_.num_measured = 0;
-    MakeRoom();
+    scratch_.Begin(nodes_.size());
     scratch_.couplings.clear();
     scratch_.heard.assign(candidates_.num_deeper, 0);
     std::int32_t first = 0;
@@ -47,77 +46,23 @@ class AreaWeb::Loader {
     }
     Emit();
     if (springs_.slopes.wanted) FindSlopes();
-    CleanUp();
   }
 
  private:
-  static constexpr double kUnknown = -std::numeric_limits<double>::infinity();
-
-  struct State {
-    double deformation = kUnknown;  // unless probed
-    double share = 0;    // [m²] the mean of what falls to it as its loaded triangles see it
-    int num_loaded = 0;  // of the triangles that meet here
-    bool placed = false, tried = false;
-  };
-  // What a node bears: one for what its triangles meet by its own value and one flat side, more for
-  // further sides.
-  struct NodeLoad {
-    double integral = 0;
-    double raised = 0;        // [m³] the part of its moment that is due to bulges
-    int num_facing = 0;       // of those, which face this side more than any other
-    std::int32_t side = -1;   // beneath a flat triangle that meets here
-    std::int32_t ground = 0;  // of that triangle
-    std::int32_t next = -1;   // another one of the node
-  };
-  struct Probed {
-    Vec3 p;  // in the probed body
-    FieldValue field;
-  };
-  // Between runs the states, and the first loads, of all nodes are as they were made.
-  struct Memory {
-    std::vector<State> state;
-    std::vector<NodeLoad> loads;         // the first of each node, then further ones
-    std::vector<std::uint64_t> touched;  // a bit a node: whether it was
-    std::vector<Probed> probed;
+  static constexpr double kUnknown = NodeTable::kUnknown;
+  using State = NodeTable::State;
+  using NodeLoad = NodeTable::Load;
+  using Probed = NodeTable::Probed;
+  struct Memory : NodeTable {
     std::vector<std::uint8_t> heard;  // of the deeper parts, whether what they are parts of is open
     // Only for slopes:
     std::vector<LoadCoupling> couplings;
     std::vector<std::int32_t> row;  // of the springs, of each load; −1: bears none
   };
 
-  static constexpr int kWordBits = 64;
-
-  void MakeRoom() {
-    const std::size_t count = nodes_.size();
-    if (scratch_.state.size() < count) scratch_.state.resize(count);
-    if (scratch_.probed.size() < count) scratch_.probed.resize(count);
-    scratch_.loads.resize(count);
-    scratch_.touched.assign(count / kWordBits + 1, 0);
-  }
-
-  void Touch(std::int32_t i) { scratch_.touched[i / kWordBits] |= 1ull << i % kWordBits; }
-
-  // Calls act(i) for each touched node, in order.
-  template <typename Act>
-  void ForEachTouched(const Act& act) const {
-    for (std::size_t word = 0; word < scratch_.touched.size(); ++word) {
-      for (std::uint64_t rest = scratch_.touched[word]; rest != 0; rest &= rest - 1) {
-        act(static_cast<std::int32_t>(kWordBits * word + std::countr_zero(rest)));
-      }
-    }
-  }
-
-  void CleanUp() {
-    ForEachTouched([this](std::int32_t i) {
-      scratch_.state[i] = {};
-      scratch_.loads[i] = {};
-    });
-    scratch_.loads.resize(nodes_.size());
-  }
-
   const Vec3& Place(std::int32_t i) {
     if (!scratch_.state[i].placed) {
-      Touch(i);
+      scratch_.Touch(i);
       scratch_.state[i].placed = true;
       scratch_.probed[i].p = X_PS_ * nodes_[i].p;
     }
@@ -275,22 +220,8 @@ class AreaWeb::Loader {
   std::array<std::int32_t, 3> LoadsOf(const AreaCandidates::Triangle& triangle, std::int32_t side,
                                       std::int32_t ground) {
     std::array<std::int32_t, 3> loads;
-    for (int j = 0; j < 3; ++j) loads[j] = LoadOf(triangle.node[j], side, ground);
+    for (int j = 0; j < 3; ++j) loads[j] = scratch_.LoadOf(triangle.node[j], side, ground);
     return loads;
-  }
-
-  std::int32_t LoadOf(std::int32_t i, std::int32_t side, std::int32_t ground) {
-    std::vector<NodeLoad>& loads = scratch_.loads;
-    while (loads[i].side >= 0 && loads[i].side != side) {
-      if (loads[i].next < 0) {
-        loads[i].next = static_cast<std::int32_t>(loads.size());
-        loads.emplace_back();
-      }
-      i = loads[i].next;
-    }
-    loads[i].side = side;
-    loads[i].ground = ground;
-    return i;
   }
 
   void LoadSmallest(const AreaCandidates::Triangle& triangle) {
@@ -298,7 +229,7 @@ class AreaWeb::Loader {
     for (const std::int32_t i : triangle.node) {
       State& state = scratch_.state[i];
       if (!state.tried) {
-        Touch(i);
+        scratch_.Touch(i);
         state.tried = true;
         if (!(nodes_[i].clearance > motion_)) ProbeIfNear(i);
       }
@@ -385,33 +316,20 @@ class AreaWeb::Loader {
         if (loads[load].integral > 0) act(load);
       }
     };
-    ForEachTouched([&](std::int32_t i) { for_each_load(i, [&](std::int32_t) { ++count; }); });
+    scratch_.ForEachTouched(
+        [&](std::int32_t i) { for_each_load(i, [&](std::int32_t) { ++count; }); });
     springs_.Resize(count);
     if (springs_.slopes.wanted) scratch_.row.assign(loads.size(), -1);
     std::int32_t row = 0;
     auto part = candidates_.parts.begin();
-    ForEachTouched([&](std::int32_t i) {
+    scratch_.ForEachTouched([&](std::int32_t i) {
       while (i >= part->last_node) ++part;
-      const std::int32_t first = loads[i].next < 0 ? i : FacedBy(i);
+      const std::int32_t first = loads[i].next < 0 ? i : scratch_.FacedBy(i);
       for_each_load(i, [&](std::int32_t load) {
         if (springs_.slopes.wanted) scratch_.row[load] = row;
         Write(KeyOf(part->patch, i, load == first ? -1 : loads[load].side), i, loads[load], row++);
       });
     });
-  }
-
-  // Of a node's loads, that which most of its triangles face.
-  std::int32_t FacedBy(std::int32_t i) const {
-    const std::vector<NodeLoad>& loads = scratch_.loads;
-    std::int32_t first = i;
-    for (std::int32_t load = i; load >= 0; load = loads[load].next) {
-      const NodeLoad &best = loads[first], &other = loads[load];
-      if (other.num_facing > best.num_facing ||
-          (other.num_facing == best.num_facing && other.side < best.side)) {
-        first = load;
-      }
-    }
-    return first;
   }
 
   // Its name between steps; a node's further sides have others.
@@ -476,7 +394,7 @@ class AreaWeb::Loader {
     slopes.clear();
     slopes.nodes_on_a = web_.samples_a_;
     slopes.bend.resize(springs_.size());
-    ForEachTouched([&](std::int32_t i) {
+    scratch_.ForEachTouched([&](std::int32_t i) {
       if (scratch_.row[i] < 0 || scratch_.loads[i].side >= 0) return;  // flat
       const auto& [p, field] = scratch_.probed[i];
       const Symmetric3 curvature = probe_.Curvature(p, field);
