@@ -27,8 +27,11 @@ HEAVY = 1e9  # [kg]
 Floats = NDArray[np.float64]
 
 
-# Of a plant [s]; 0: a continuous one.
+# Steps of a plant [s]; 0: a continuous one, which is slow where its contact is stiff.
 ON_BOTH_PLANTS = pytest.mark.parametrize("time_step", [0.0, 1e-3])
+ON_BOTH_PLANTS_BUT_SLOW = pytest.mark.parametrize(
+    "time_step", [pytest.param(0.0, marks=pytest.mark.slow), 1e-3]
+)
 
 
 def on(time_step: float) -> str:

@@ -16,7 +16,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from validation_scenes import ON_BOTH_PLANTS, check, on
+from validation_scenes import ON_BOTH_PLANTS_BUT_SLOW, check, on
 
 from scenarios import parts
 from scenarios.parts.surface import revolve
@@ -92,8 +92,7 @@ def push_out_force(folder, pressed: parts.Surface, largest: float, time_step: fl
     return float(ramp.value(simulator.get_context().get_time())[0, 0])
 
 
-@pytest.mark.slow
-@ON_BOTH_PLANTS
+@ON_BOTH_PLANTS_BUT_SLOW
 @pytest.mark.parametrize("name", FITS)
 def test_a_press_fit_lets_go_where_coulomb_says(name, tmp_path, record_property, time_step):
     """Row 18: an interference that presses too much or too little, or friction that gives early."""

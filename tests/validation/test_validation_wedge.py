@@ -18,7 +18,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from validation_scenes import ON_BOTH_PLANTS, check, judge, on
+from validation_scenes import ON_BOTH_PLANTS_BUT_SLOW, check, judge, on
 
 from scenarios import parts
 from systems import AddNonlinearDamperContact, ContactConfig, FrictionConfig
@@ -112,8 +112,7 @@ FITS = {
 }
 
 
-@pytest.mark.slow
-@ON_BOTH_PLANTS
+@ON_BOTH_PLANTS_BUT_SLOW
 @pytest.mark.parametrize("name", FITS)
 def test_pressed_in_it_holds_and_pulls_out(name, tmp_path, record_property, time_step):
     """Row 17: a taper that falls out, creeps, or lets go at the wrong force."""
@@ -127,8 +126,7 @@ def test_pressed_in_it_holds_and_pulls_out(name, tmp_path, record_property, time
     check(record_property, (17, f"{name}: force out/in" + on(time_step)), expected, got, 0.05)
 
 
-@pytest.mark.slow
-@ON_BOTH_PLANTS
+@ON_BOTH_PLANTS_BUT_SLOW
 @pytest.mark.parametrize("name", FITS)
 def test_pops_out_where_friction_is_too_small(name, tmp_path, record_property, time_step):
     """Row 17: a wedge that holds although its angle is above the friction angle."""
