@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/tolerances.h"
 
@@ -23,26 +24,35 @@ bool StepPath::Follow(std::span<double> v) {
   Point tangent = Tangent();
   double length = kFirstOnPath * whole;
   for (int step = 0; step < kPathSteps && length > shortest; ++step) {
-    Point trial = here;
-    for (std::size_t i = 0; i < dofs_.size(); ++i) trial.v[i] += length * tangent.v[i];
-    trial.share += length * tangent.share;
+    Point trial = Sum(here, length, tangent);
     const int before = evaluations_;
     if (!Correct(tangent, length, &trial) || trial.share < 0) {
+      // Shorter, and the way that the path takes behind a kink that it may have here.
       length *= 0.5;
+      if (Linearize(Sum(here, length, tangent))) tangent = Tangent();
       continue;
     }
     if (trial.share >= 1) {
-      const double way = (1 - here.share) / (trial.share - here.share);
-      for (std::size_t i = 0; i < dofs_.size(); ++i) {
-        v[dofs_[i]] = here.v[i] + way * (trial.v[i] - here.v[i]);
+      const double rest = (1 - here.share) / (trial.share - here.share);
+      Point end = Sum(here, rest, Sum(trial, -1, here));
+      if (Correct({std::vector<double>(dofs_.size(), 0.0), 1}, length, &end)) {
+        for (std::size_t i = 0; i < dofs_.size(); ++i) v[dofs_[i]] = end.v[i];
+        return true;
       }
-      return true;
+      length *= 0.5;
+      continue;
     }
     here = trial;
     tangent = Tangent();
     if (evaluations_ - before <= 2) length *= 2;
   }
   return false;
+}
+
+StepPath::Point StepPath::Sum(Point a, double factor, const Point& b) {
+  for (std::size_t i = 0; i < a.v.size(); ++i) a.v[i] += factor * b.v[i];
+  a.share += factor * b.share;
+  return a;
 }
 
 bool StepPath::Linearize(const Point& at) {
@@ -69,14 +79,10 @@ bool StepPath::Correct(const Point& tangent, double length, Point* trial) {
   double last = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < kPathCorrections; ++iteration) {
     if (!Linearize(*trial)) return false;
-    Point change{correction_, 0};
-    const Point with_share{response_, 1};
-    change.share = -Product(tangent, change) / Product(tangent, with_share);
-    for (std::size_t i = 0; i < dofs_.size(); ++i) {
-      change.v[i] += change.share * response_[i];
-      trial->v[i] += change.v[i];
-    }
-    trial->share += change.share;
+    const Point straight{correction_, 0}, along{response_, 1};
+    const Point change =
+        Sum(straight, -Product(tangent, straight) / Product(tangent, along), along);
+    *trial = Sum(std::move(*trial), 1, change);
     const double size = std::sqrt(Product(change, change));
     if (size <= kOnPath * length) return true;
     if (!(size < 0.5 * last)) return false;

@@ -34,6 +34,8 @@ class StepPath {
     double share = 0;
   };
 
+  static Point Sum(Point a, double factor, const Point& b);  // a + factor b
+
   // Where `at` should move for H = 0 at its share, and with each unit of share; false where that is
   // not to be told.
   bool Linearize(const Point& at);
