@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -26,7 +25,7 @@ bool StepPath::Follow(std::span<double> v) {
   for (int step = 0; step < kPathSteps && length > shortest; ++step) {
     Point trial = Sum(here, length, tangent);
     const int before = evaluations_;
-    if (!Correct(tangent, length, &trial) || trial.share < 0) {
+    if (!Correct(tangent, length, kOnPath * length, &trial) || trial.share < 0) {
       // Shorter, and the way that the path takes behind a kink that it may have here.
       length *= 0.5;
       if (Linearize(Sum(here, length, tangent))) tangent = Tangent();
@@ -35,7 +34,7 @@ bool StepPath::Follow(std::span<double> v) {
     if (trial.share >= 1) {
       const double rest = (1 - here.share) / (trial.share - here.share);
       Point end = Sum(here, rest, Sum(trial, -1, here));
-      if (Correct({std::vector<double>(dofs_.size(), 0.0), 1}, length, &end)) {
+      if (Correct({std::vector<double>(dofs_.size(), 0.0), 1}, length, shortest, &end)) {
         for (std::size_t i = 0; i < dofs_.size(); ++i) v[dofs_[i]] = end.v[i];
         return true;
       }
@@ -44,7 +43,7 @@ bool StepPath::Follow(std::span<double> v) {
     }
     here = trial;
     tangent = Tangent();
-    if (evaluations_ - before <= 2) length *= 2;
+    if (evaluations_ - before <= 2) length = std::min(2 * length, kLongestOnPath * whole);
   }
   return false;
 }
@@ -75,8 +74,7 @@ bool StepPath::Linearize(const Point& at) {
   return true;
 }
 
-bool StepPath::Correct(const Point& tangent, double length, Point* trial) {
-  double last = std::numeric_limits<double>::infinity();
+bool StepPath::Correct(const Point& tangent, double length, double close, Point* trial) {
   for (int iteration = 0; iteration < kPathCorrections; ++iteration) {
     if (!Linearize(*trial)) return false;
     const Point straight{correction_, 0}, along{response_, 1};
@@ -84,9 +82,8 @@ bool StepPath::Correct(const Point& tangent, double length, Point* trial) {
         Sum(straight, -Product(tangent, straight) / Product(tangent, along), along);
     *trial = Sum(std::move(*trial), 1, change);
     const double size = std::sqrt(Product(change, change));
-    if (size <= kOnPath * length) return true;
-    if (!(size < 0.5 * last)) return false;
-    last = size;
+    if (size <= close) return true;
+    if (!(size < 2 * length)) return false;
   }
   return false;
 }

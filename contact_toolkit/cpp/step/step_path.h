@@ -39,8 +39,9 @@ class StepPath {
   // Where `at` should move for H = 0 at its share, and with each unit of share; false where that is
   // not to be told.
   bool Linearize(const Point& at);
-  // Onto the path, across `tangent`; false where it does not get close enough.
-  bool Correct(const Point& tangent, double length, Point* trial);
+  // From a step's length along `tangent` onto the path, across that, until it gains less than
+  // `close`; false where it does not or strays.
+  bool Correct(const Point& tangent, double length, double close, Point* trial);
   // Along the path, from what was last linearized.
   Point Tangent() const;
   std::vector<double> TimesInertia(const std::vector<double>& v) const;
