@@ -182,7 +182,9 @@ inline constexpr double kStepRoundOff = 1e-5;
 inline constexpr int kStepIterations = 60, kStepRounds = 4;
 // Steps along the path to a solution that Newton's method does not find, and corrections of each; a
 // dozen and two are usual.
-inline constexpr int kPathSteps = 300, kPathCorrections = 6;
+inline constexpr int kPathSteps = 100, kPathCorrections = 6;
+// [-] Where the paths start that are tried one after the other, in velocities without contact.
+inline constexpr double kPathStarts[] = {1, 0};
 // [-] The first such step, the longest and the shortest, as fractions of the velocities without
 // contact; and how close to the path each must come, as a fraction of its length.
 inline constexpr double kFirstOnPath = 0.05, kLongestOnPath = 0.1, kShortestOnPath = 1e-7;

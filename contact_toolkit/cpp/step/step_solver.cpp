@@ -96,21 +96,21 @@ class StepSolver::Search {
     }
   }
 
-  // Where Newton's method fails from one start, it tries from where paths lead: a wedge that lets
-  // go has no solution near the one at rest.
+  // Where Newton's method fails, it goes on from where paths lead: a wedge that lets go has no
+  // solution near the one at rest.
   void SolveIslands() {
     Iterate();
-    for (const double start : {1, 0}) {  // of the velocities without contact
-      bool failed = false;
-      for (Island& island : islands_) failed = Restart(&island, start) || failed;
-      if (!failed) return;
+    if (std::ranges::none_of(islands_, Failed)) return;
+    for (const double start : kPathStarts) {
+      for (Island& island : islands_) {
+        if (Failed(island)) Lead(&island, start);
+      }
       Iterate();
     }
     for (Island& island : islands_) {
-      if (Failed(island) && island.best_merit < island.merit) {
-        ForEachDof(island, [&](int dof) { v_[dof] = island.best[dof]; });
-        island.phase = Phase::kSearching;
-      }
+      if (!Failed(island)) continue;
+      KeepBest(&island);
+      island.phase = Phase::kSearching;
     }
     EvaluateAtAccepted();
     for (Island& island : islands_) island.phase = Phase::kDone;
@@ -118,23 +118,29 @@ class StepSolver::Search {
 
   static bool Failed(const Island& island) { return island.status == StepStatus::kIterationLimit; }
 
-  // Whether it has to go on. Keeps the best that it reached so far.
-  bool Restart(Island* island, double start) {
-    if (!Failed(*island)) return false;
+  // Goes to the best velocities that a search has ended with so far.
+  void KeepBest(Island* island) {
     if (island->best.empty() || island->merit < island->best_merit) {
       island->best = v_;
       island->best_merit = island->merit;
     }
-    ForEachDof(*island, [&](int dof) { v_[dof] = start * problem_.v_free[dof]; });
+    ForEachDof(*island, [&](int dof) { v_[dof] = island->best[dof]; });
+  }
+
+  // To the end of a path that starts at this share of the velocities without contact, if it has
+  // one.
+  void Lead(Island* island, double start) {
+    KeepBest(island);
+    std::vector<double> v = v_;
+    ForEachDof(*island, [&](int dof) { v[dof] = start * problem_.v_free[dof]; });
     StepPath path(&equations_, island->joined);
-    if (!path.Follow(v_)) {
-      ForEachDof(*island, [&](int dof) { v_[dof] = island->best[dof]; });
-    }
+    const bool arrived = path.Follow(v);
     solution_.evaluations += path.evaluations();
+    if (!arrived) return;
+    v_ = v;
     island->phase = Phase::kSearching;
     island->status = StepStatus::kConverged;
     island->symmetric = island->stuck = false;
-    return true;
   }
 
   // Bodies that fly at each other are deep in each other at the end of a step, where forces no
