@@ -270,7 +270,7 @@ def lines(folder: Path) -> Iterator[str]:
 
 
 def rock_n_stack(folder: Path) -> Iterator[str]:
-    yield "| Rock-N-Stack | real-time factor (wall clock) | height at rest | above the continuous plant's |"
+    yield "| Rock-N-Stack | real-time factor (wall clock) | height at rest | over continuous |"
     yield "|---|---|---|---|"
     continuous = None
     for step in (0.0, 1e-3):

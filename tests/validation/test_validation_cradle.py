@@ -14,7 +14,6 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-
 from validation_scenes import check_first_order
 
 from systems import AddNonlinearDamperContact, ContactConfig, FrictionConfig

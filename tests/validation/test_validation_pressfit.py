@@ -15,7 +15,6 @@ from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
-
 from validation_scenes import ON_BOTH_PLANTS_BUT_SLOW, check, on
 
 from scenarios import parts

@@ -17,7 +17,6 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
-
 from validation_scenes import ON_BOTH_PLANTS_BUT_SLOW, check, judge, on
 
 from scenarios import parts
@@ -110,10 +109,13 @@ FITS = {
         0.2,
     ),
 }
+EACH_FIT = pytest.mark.parametrize(
+    "name", [pytest.param("Morse taper", marks=pytest.mark.slow), "wedge in a groove"]
+)
 
 
 @ON_BOTH_PLANTS_BUT_SLOW
-@pytest.mark.parametrize("name", FITS)
+@EACH_FIT
 def test_pressed_in_it_holds_and_pulls_out(name, tmp_path, record_property, time_step):
     """Row 17: a taper that falls out, creeps, or lets go at the wrong force."""
     plug, socket, axis, beta, k, mu = FITS[name]
@@ -127,7 +129,7 @@ def test_pressed_in_it_holds_and_pulls_out(name, tmp_path, record_property, time
 
 
 @ON_BOTH_PLANTS_BUT_SLOW
-@pytest.mark.parametrize("name", FITS)
+@EACH_FIT
 def test_pops_out_where_friction_is_too_small(name, tmp_path, record_property, time_step):
     """Row 17: a wedge that holds although its angle is above the friction angle."""
     plug, socket, axis, beta, k, _ = FITS[name]

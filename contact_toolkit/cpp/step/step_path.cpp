@@ -101,8 +101,7 @@ StepPath::Point StepPath::Tangent() const {
 
 double StepPath::Product(const Point& a, const Point& b) const {
   const std::vector<double> momentum = TimesInertia(b.v);
-  return std::inner_product(a.v.begin(), a.v.end(), momentum.begin(),
-                            weight_ * a.share * b.share);
+  return std::inner_product(a.v.begin(), a.v.end(), momentum.begin(), weight_ * a.share * b.share);
 }
 
 std::vector<double> StepPath::TimesInertia(const std::vector<double>& v) const {

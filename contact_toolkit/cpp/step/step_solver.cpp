@@ -54,14 +54,14 @@ class StepSolver::Search {
     StepIsland joined;
     Phase phase = Phase::kSearching;
     StepStatus status = StepStatus::kConverged;
-    double merit = 0;           // |r|²
-    double drive = 0;           // what the step does without contact
-    double length = 1;          // of the present trial, as a share of the Newton step
-    bool symmetric = false;     // take the symmetric part of Newton's matrix
-    bool stuck = false;         // neither matrix led any further
-    bool from_last = false;     // began at the velocities of the last step
-    bool still = false;         // moved so slowly in the last step that it began at none
-    std::vector<double> best;   // velocities of the best start so far
+    double merit = 0;          // |r|²
+    double drive = 0;          // what the step does without contact
+    double length = 1;         // of the present trial, as a share of the Newton step
+    bool symmetric = false;    // take the symmetric part of Newton's matrix
+    bool stuck = false;        // neither matrix led any further
+    bool from_last = false;    // began at the velocities of the last step
+    bool still = false;        // moved so slowly in the last step that it began at none
+    std::vector<double> best;  // velocities of the best start so far
     double best_merit = 0;
     int iterations = 0;
     BlockMatrix matrix;
