@@ -152,7 +152,7 @@ def test_momentum_is_balanced():
     assert converged > 30
 
 
-@pytest.mark.parametrize("seed", [126, 258, 336])
+@pytest.mark.parametrize("seed", [126, 267, 318, 336])
 def test_newtons_method_converges_quadratically_near_the_solution(seed):
     """Newton's matrix would lack a term: r₁ ≤ C r₀² and r₂ ≤ C r₁² make r₂ go as r₀⁴, not as r₀.
 
@@ -181,7 +181,7 @@ def test_newtons_method_converges_quadratically_near_the_solution(seed):
     exact = solve_from(solved.v)
     away = rng.normal(size=6)
     away *= np.linalg.norm(scene.free) / np.linalg.norm(away)
-    offsets = np.geomspace(1e-5, 1e-3, 17)
+    offsets = np.geomspace(1e-5, 1e-4, 9)
     trials = [solve_from(exact.v + offset * away) for offset in offsets]
     twice = np.array([t.iterations == 2 and t.residual > 1e-12 for t in trials])
     assert twice.sum() >= 3
