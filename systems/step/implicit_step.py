@@ -101,6 +101,7 @@ class ImplicitStep:
         self._nq, self._nv = plant.num_positions(), plant.num_velocities()
         trees = _Trees(self._twin.plant, bodies, self._twin.touching)
         self._jointed = trees.jointed
+        self._links = {row: self._twin.plant.get_body(b) for row, b in trees.jointed.items()}
         self._X_WB = trees.X_WB
         self._no_jacobian = np.zeros((len(bodies), 6, self._nv if self._jointed else 0))
         self._solver = StepSolver(
@@ -147,7 +148,7 @@ class ImplicitStep:
                 state, time, self._step, q, v, self._gravity, self._X_WB
             )
             return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 1)
-        twin = self._twin.at(q, v, inputs)
+        twin = self._twin.at(x, inputs)
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
         v_free = twin.reached(outer)
@@ -156,9 +157,9 @@ class ImplicitStep:
         if stiffening is not None:
             inertia = own + stiffening
         X_WB, jacobian = self._X_WB, self._no_jacobian
-        if self._jointed:
-            X_WB, jacobian = X_WB.copy(), np.zeros_like(jacobian)
-            twin.kinematics_after(v, self._step, self._jointed, X_WB, jacobian)
+        if self._links:
+            X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
+            twin.kinematics_after(self._step, self._links, X_WB, jacobian)
         v_plain, before = v_free, np.inf
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
@@ -167,9 +168,8 @@ class ImplicitStep:
             if self._affine:
                 return SolvedStep(solution, aimed, forces, 0.0, round_)
             reached = twin.reached(outer + forces)
-            off = reached - aimed
-            mismatch = float(np.abs(off).max(initial=0.0))
-            if mismatch <= _TOLERANCE * (np.abs(reached - v).max() + np.abs(v_free - v).max()):
+            mismatch, led, free = np.abs([reached - aimed, reached - v, v_free - v]).max(axis=1)
+            if mismatch <= _TOLERANCE * (led + free):
                 break
             if round_ == _ROUNDS or mismatch > before / 2:
                 break
@@ -184,7 +184,7 @@ class ImplicitStep:
                 v_plain = reached - response
                 floating = np.setdiff1d(np.arange(self._nv), dofs)
                 v_plain[floating] = v_free[floating]
-        return SolvedStep(solution, aimed, forces, mismatch, round_, stiffening)
+        return SolvedStep(solution, aimed, forces, float(mismatch), round_, stiffening)
 
     def linearize(
         self,
@@ -208,7 +208,7 @@ class ImplicitStep:
         gravity = self._twin.plant.gravity_field().gravity_vector()
         x = self._twin.plant.GetPositionsAndVelocities(self._twin.default_context())
         q, v = x[: self._nq], np.linspace(0.5, 1.5, self._nv)
-        expected = self._twin.at(q, v, {}).reached(np.zeros(self._nv))
+        expected = self._twin.at(np.concatenate([q, v]), {}).reached(np.zeros(self._nv))
         found = self._solver.free_motion(q, v, self._step, gravity)
         return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
 
@@ -279,7 +279,7 @@ class _Trees:
                 for index in plant.GetJointIndices()
                 if plant.get_joint(JointIndex(int(index))).num_velocities() > 0
             }
-            for index in plant.GetFloatingBaseBodies():
+            for index in sorted(plant.GetFloatingBaseBodies(), key=int):
                 body = plant.get_body(index)
                 welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
                 if body.has_quaternion_dofs() and not welded & (children | tied):
