@@ -17,6 +17,7 @@ from systems.step.linearized_step import LinearizedStep, StepSlopes
 from systems.step.plant_twin import PlantTwin, TwinAtState
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 # A plant step lands this close to where the solver put it, relative to the change of velocity.
 _TOLERANCE = 1e-6
@@ -111,17 +112,17 @@ class ImplicitStep:
             v_start=trees.v_start,
             nv=trees.nv,
             q_start=trees.q_start,
-            inertia_R=np.array(trees.inertia_R),
+            inertia_R=trees.inertia_R,
             tree=trees.tree,
             X_RB=trees.X_RB,
         )
-        self._order = None if (np.diff(trees.order) == 1).all() else trees.order
+        self._order = trees.order
         self._dofs = trees.rest
         self._floats = not len(trees.rest)
         self._own = _implicit_terms(plant, self._step)
         # Forces move such a plant as A says, whatever else acts on it.
-        self._affine = self._floats and not plant.num_constraints()
-        self._gravity = self._known_gravity() if self._affine else None
+        self._affine = not (plant.num_constraints() or self._twin.touching or _is_limited(plant))
+        self._gravity = self._known_gravity() if self._affine and self._floats else None
 
     def solve(
         self,
@@ -264,62 +265,82 @@ class _Trees:
     """The plant's degrees of freedom as the solver wants them.
 
     Each floating body, with what is welded to it, is a tree of its own, unless the plant has
-    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities make
-    one more tree, the last. `order` sorts velocities so.
+    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities, the
+    `rest`, make one more tree. Trees stand in the order of their velocities; only a rest with gaps
+    comes last, and `order` then sorts velocities so.
     """
 
     def __init__(
         self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], tied: set[BodyIndex]
     ) -> None:
         context = plant.CreateDefaultContext()
-        single = {}  # root of a floating tree → all bodies in it
-        if plant.num_constraints() == 0:
-            children = {
-                plant.get_joint(JointIndex(int(index))).parent_body().index()
-                for index in plant.GetJointIndices()
-                if plant.get_joint(JointIndex(int(index))).num_velocities() > 0
-            }
-            for index in sorted(plant.GetFloatingBaseBodies(), key=int):
-                body = plant.get_body(index)
-                welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
-                if body.has_quaternion_dofs() and not welded & (children | tied):
-                    single[index] = welded
-        self.q_start: list[int] = []
-        self.inertia_R: list[Floats] = []
-        tree_of: dict[BodyIndex, tuple[int, BodyIndex]] = {}
-        order: list[int] = []
-        for tree, (root, welded) in enumerate(single.items()):
-            body = plant.get_body(root)
-            start = body.floating_velocities_start_in_v()
-            order += range(start, start + 6)
-            self.q_start.append(body.floating_positions_start())
-            inertia = plant.CalcSpatialInertia(context, body.body_frame(), sorted(welded, key=int))
-            self.inertia_R.append(inertia.CopyToFullMatrix6())
-            tree_of |= dict.fromkeys(welded, (tree, root))
-        self.v_start, self.nv = [6 * i for i in range(len(single))], [6] * len(single)
-        self.rest = np.setdiff1d(np.arange(plant.num_velocities()), order)
+        single = _floating_trees(plant, tied)
+        dofs: dict[BodyIndex | None, Integers] = {}  # of a tree, by the body that floats
+        for root in single:
+            start = plant.get_body(root).floating_velocities_start_in_v()
+            dofs[root] = np.arange(start, start + 6)
+        every = np.arange(plant.num_velocities())
+        self.rest = np.setdiff1d(every, np.concatenate([every[:0], *dofs.values()]))
+        gaps = bool((np.diff(self.rest) > 1).any())
         if len(self.rest):
-            self.v_start.append(len(order))
-            self.nv.append(len(self.rest))
-            self.q_start.append(-1)
-            self.inertia_R.append(np.zeros((6, 6)))
-        self.order = np.concatenate([np.array(order, int), self.rest])
+            dofs[None] = self.rest
+        roots = sorted(dofs, key=lambda root: (gaps and root is None, dofs[root][0]))
+        self.order = np.concatenate([dofs[root] for root in roots]) if gaps else None
+        self.nv = [len(dofs[root]) for root in roots]
+        self.v_start = [sum(self.nv[:i]) for i in range(len(roots))]
+        self.q_start: list[int] = []
+        self.inertia_R = np.zeros((len(roots), 6, 6))
+        for tree, root in enumerate(roots):
+            self.q_start.append(-1 if root is None else plant.get_body(root).floating_positions_start())
+            if root is not None:
+                frame, welded = plant.get_body(root).body_frame(), sorted(single[root], key=int)
+                inertia = plant.CalcSpatialInertia(context, frame, welded)
+                self.inertia_R[tree] = inertia.CopyToFullMatrix6()
+        root_of = {body: root for root, welded in single.items() for body in welded}
         self.X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
         self.X_RB = np.tile(np.eye(4), (len(bodies), 1, 1))
         self.tree = [-1] * len(bodies)
         self.jointed: dict[int, BodyIndex] = {}
         for row, index in enumerate(bodies):
             body = plant.get_body(index)
+            X_WB = plant.EvalBodyPoseInWorld(context, body)
             if plant.IsAnchored(body):
-                self.X_WB[row] = plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4()
-            elif index in tree_of:
-                self.tree[row], root = tree_of[index]
-                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
-                X_WB = plant.EvalBodyPoseInWorld(context, body)
-                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
-            else:
-                self.tree[row] = len(single)
+                self.X_WB[row] = X_WB.GetAsMatrix4()
+                continue
+            root = root_of.get(index)
+            self.tree[row] = roots.index(root)
+            if root is None:
                 self.jointed[row] = index
+            else:
+                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
+                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
+
+
+def _floating_trees(plant: MultibodyPlant, tied: set[BodyIndex]) -> dict[BodyIndex, set[BodyIndex]]:
+    """Return the bodies that float by themselves, and for each what is welded to it, itself too."""
+    if plant.num_constraints():
+        return {}
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    children = {each.parent_body().index() for each in joints if each.num_velocities() > 0}
+    single = {}
+    for index in plant.GetFloatingBaseBodies():
+        body = plant.get_body(index)
+        welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
+        if body.has_quaternion_dofs() and not welded & (children | tied):
+            single[index] = welded
+    return single
+
+
+def _is_limited(plant: MultibodyPlant) -> bool:
+    """Whether joints have limits or controllers, which push by where a step leads."""
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    limits = [(each.position_lower_limits(), each.position_upper_limits()) for each in joints]
+    actuators = (
+        plant.get_joint_actuator(JointActuatorIndex(i)) for i in range(plant.num_actuators())
+    )
+    return any(np.isfinite(both).any() for both in limits) or any(
+        each.has_controller() for each in actuators
+    )
 
 
 def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:
