@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+import shutil
 import tempfile
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,7 @@ from scenarios.sweep.outcome import Outcome
 
 _LOOK = 16  # steps between two looks at the state
 _DIVERGED = 1e9  # [m, rad, m/s …] beyond this no state of a scenario means anything
+_mine = threading.local()
 
 
 def rollout(
@@ -74,8 +78,8 @@ def run_once(
     summary = Summary(name)
     recorded = None
     try:
-        with tempfile.TemporaryDirectory(prefix="rollout-") as folder, kept_warnings([]):
-            assembly = assemble(scenario, Path(folder))
+        with _models_folder() as folder, kept_warnings([]):
+            assembly = assemble(scenario, folder)
             simulator = assembly.simulator(scenario)
         _Meshes.keep(assembly)
         with kept_warnings([]):
@@ -106,6 +110,20 @@ def run_once(
         summary.steps,
         recorded if record else None,
     )
+
+
+@contextmanager
+def _models_folder() -> Iterator[Path]:
+    """Give a folder, of the same name for all runs of a thread: equal meshes have equal paths."""
+    folder: Path | None = getattr(_mine, "folder", None)
+    if folder is None:
+        folder = _mine.folder = Path(tempfile.mkdtemp(prefix="rollout-"))
+    else:
+        folder.mkdir(mode=0o700)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder)
 
 
 def _limits(

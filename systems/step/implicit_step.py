@@ -102,7 +102,8 @@ class ImplicitStep:
         self._nq, self._nv = plant.num_positions(), plant.num_velocities()
         trees = _Trees(self._twin.plant, bodies, self._twin.touching)
         self._jointed = trees.jointed
-        self._links = {row: self._twin.plant.get_body(b) for row, b in trees.jointed.items()}
+        links = {row: self._twin.plant.get_body(index) for row, index in trees.jointed.items()}
+        self._links = [(row, body, body.body_frame()) for row, body in links.items()]
         self._X_WB = trees.X_WB
         self._no_jacobian = np.zeros((len(bodies), 6, self._nv if self._jointed else 0))
         self._solver = StepSolver(

@@ -14,6 +14,7 @@ from pydrake.multibody.tree import (
     JacobianWrtVariable,
     JointActuatorIndex,
     RigidBody,
+    RigidBodyFrame,
 )
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, FixedInputPortValue
 
@@ -21,6 +22,8 @@ from systems.plant.pairs import GeometryPair
 from systems.wiring.builtin_contact import take_over_pairs
 
 Floats = NDArray[np.float64]
+Link = tuple[int, RigidBody, RigidBodyFrame]
+"""Row in the contact model, the body and its frame, looked up once."""
 _OURS = "applied_generalized_force"
 _ORIGIN = np.zeros(3)
 
@@ -134,19 +137,19 @@ class TwinAtState:
         return self._plant.CalcMassMatrix(self._context)
 
     def kinematics_after(
-        self, duration: float, bodies: Mapping[int, RigidBody], X_WB: Floats, J: Floats
+        self, duration: float, links: Sequence[Link], X_WB: Floats, J: Floats
     ) -> None:
-        """Fill poses (nb, 4, 4) and Jacobians (nb, 6, nv) of bodies, by row, after a motion.
+        """Fill poses (nb, 4, 4) and Jacobians (nb, 6, nv) of links, by row, after a motion.
 
         At the velocities of the state. The Jacobians are those of spatial velocities in W by v.
         """
         plant, ahead, world = self._plant, self._ahead, self._world
         q, v = self._x[: self._nq], self._x[self._nq :]
         plant.SetPositions(ahead, q + duration * plant.MapVelocityToQDot(self._context, v))
-        for row, body in bodies.items():
+        for row, body, frame in links:
             X_WB[row] = body.EvalPoseInWorld(ahead).GetAsMatrix4()
             J[row] = plant.CalcJacobianSpatialVelocity(
-                ahead, JacobianWrtVariable.kV, body.body_frame(), _ORIGIN, world, world
+                ahead, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
             )
 
     def _fix(self, name: str, value: object) -> None:
