@@ -36,7 +36,10 @@ def typed(schema: type[Loaded], raw: dict[str, Any], where: str) -> Loaded:
 
 
 def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
-    """Convert entry by entry: the loader is slow, and runs of a sweep differ in few entries."""
+    """Convert entry by entry: the loader is slow, and runs of a sweep differ in few entries.
+
+    Mappings are sorted, as Drake dumps them: their order does not depend on where they were kept.
+    """
     kinds = {name: get_origin(kind) for name, kind in get_type_hints(schema).items()}
     values: dict[str, Any] = {}
     for key, value in raw.items():
@@ -44,7 +47,7 @@ def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
             continue
         if kinds.get(key) is dict and isinstance(value, dict):
             values[key] = {}
-            for name, entry in value.items():
+            for name, entry in sorted(value.items()):
                 values[key] |= _Entry.of(schema, key, {name: entry})
         elif kinds.get(key) is list and isinstance(value, list):
             values[key] = [_Entry.of(schema, key, [entry])[0] for entry in value]
