@@ -110,7 +110,8 @@ class TwinAtState:
         self._plant, self._world = plant, plant.world_frame()
         self._context = plant.GetMyMutableContextFromRoot(diagram.CreateDefaultContext())
         self._ahead = plant.CreateDefaultContext()  # where kinematics are looked at
-        self._after = plant.CreateDefaultContext().get_mutable_state()  # that an update leads to
+        self._result = plant.CreateDefaultContext()  # that an update leads to
+        self._after = self._result.get_mutable_state()
         self._sampled = plant.has_sampled_output_ports()
         self._fixed: dict[str, FixedInputPortValue] = {}
         self._nq = plant.num_positions()
