@@ -48,11 +48,11 @@ def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
         if kinds.get(key) is dict and isinstance(value, dict):
             values[key] = {}
             for name, entry in sorted(value.items()):
-                values[key] |= _Entry.of(schema, key, {name: entry})
+                values[key] |= _entry(schema, key, {name: entry})
         elif kinds.get(key) is list and isinstance(value, list):
-            values[key] = [_Entry.of(schema, key, [entry])[0] for entry in value]
+            values[key] = [_entry(schema, key, [entry])[0] for entry in value]
         else:
-            values[key] = _Entry.of(schema, key, value)
+            values[key] = _entry(schema, key, value)
     return schema(**values)
 
 
@@ -65,15 +65,15 @@ class _Entry:
     said: str
     value: Any = field(compare=False)
 
-    @classmethod
-    def of(cls, schema: type, key: str, value: Any) -> Any:
-        """Return the value converted."""
-        return deepcopy(cls(schema, key, repr(value), value)._converted())
 
-    @lru_cache(maxsize=256)  # noqa: B019  entries are small
-    def _converted(self) -> Any:
-        data = yaml_dump({self.key: self.value})
-        return getattr(yaml_load_typed(schema=self.schema, data=data), self.key)
+def _entry(schema: type, key: str, value: Any) -> Any:
+    return deepcopy(_converted(_Entry(schema, key, repr(value), value)))
+
+
+@lru_cache(maxsize=256)
+def _converted(entry: _Entry) -> Any:
+    data = yaml_dump({entry.key: entry.value})
+    return getattr(yaml_load_typed(schema=entry.schema, data=data), entry.key)
 
 
 def _explain(error: Exception, schema: type, raw: dict[str, Any]) -> str:

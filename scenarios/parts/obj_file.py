@@ -8,7 +8,7 @@ from scenarios.parts.surface import Surface
 
 
 def obj_text(surface: Surface) -> str:
-    """Return the contents of an OBJ file with (vertices, faces), each coordinate to the last bit."""
+    """Return the contents of an OBJ file, every coordinate to the last bit."""
     vertices, faces = surface
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]

@@ -148,6 +148,7 @@ class ImplicitForces(ForceSource):
             and abs(time - solution.start_time) < self._half_step
             and record.x == x.tobytes()
         ):
+            assert record.state.forces is not None
             output.set_value(Arrival(record, x, True, record.state, record.state.forces))
             return
         X_WB, V_WB = self._motion.read(context)
@@ -226,6 +227,7 @@ class ImplicitForces(ForceSource):
     def advance(self, context: Context, state: State) -> None:
         record: StepRecord = self._solved.Eval(context)
         assert record.step is not None
+        assert record.state.forces is not None
         reported = self._watch.check_depth(record.reported, record.state.forces)
         reported = self._step_watch.check(reported, record.step)
         if reported is not record.reported:

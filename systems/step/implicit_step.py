@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, JointActuatorIndex, JointIndex
+from pydrake.multibody.tree import BodyIndex, JointActuatorIndex
 
 from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
@@ -289,13 +289,13 @@ class _Trees:
         self.order = np.concatenate([dofs[root] for root in roots]) if gaps else None
         self.nv = [len(dofs[root]) for root in roots]
         self.v_start = [sum(self.nv[:i]) for i in range(len(roots))]
-        self.q_start: list[int] = []
+        self.q_start = [-1] * len(roots)
         self.inertia_R = np.zeros((len(roots), 6, 6))
         for tree, root in enumerate(roots):
-            self.q_start.append(-1 if root is None else plant.get_body(root).floating_positions_start())
             if root is not None:
-                frame, welded = plant.get_body(root).body_frame(), sorted(single[root], key=int)
-                inertia = plant.CalcSpatialInertia(context, frame, welded)
+                floating, welded = plant.get_body(root), sorted(single[root], key=int)
+                self.q_start[tree] = floating.floating_positions_start()
+                inertia = plant.CalcSpatialInertia(context, floating.body_frame(), welded)
                 self.inertia_R[tree] = inertia.CopyToFullMatrix6()
         root_of = {body: root for root, welded in single.items() for body in welded}
         self.X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
