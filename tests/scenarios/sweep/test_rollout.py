@@ -14,6 +14,7 @@ from sweep_scenes import plan_of
 import scenarios
 from scenarios.format.errors import ScenarioError
 from scenarios.runner import run
+from scenarios.sweep import rollout as rollouts
 from scenarios.sweep.isolated import GRACE, IsolatedRuns, Task
 
 
@@ -37,6 +38,20 @@ def test_the_same_inputs_give_the_same_bits_whatever_ran_before(plan):
     first = scenarios.rollout(plan.base, {"contact.k": 7e7})
     scenarios.rollout(plan.base, {"contact.k": 3e7, "parts.ball.parameters.radius": 0.018})
     assert scenarios.rollout(plan.base, {"contact.k": 7e7}).figures == first.figures
+
+
+def test_what_runs_have_in_common_is_prepared_once(plan, monkeypatch):
+    # Each run would make the hierarchies and nodes of all its meshes anew.
+    made = []
+    assemble = rollouts.assemble
+    monkeypatch.setattr(
+        rollouts, "assemble", lambda *args: made.append(assemble(*args)) or made[-1]
+    )
+    for radius in (0.02, 0.018):
+        scenarios.rollout(plan.base, {"parts.ball.parameters.radius": radius})
+    first, second = ({g.name: g.mesh for g in each.contact.model.geometries} for each in made)
+    assert first["plate/plate::collision"] is second["plate/plate::collision"]
+    assert first["ball/ball::collision"] is not second["ball/ball::collision"]
 
 
 @pytest.mark.parametrize(
