@@ -81,7 +81,7 @@ def run_once(
         with _models_folder() as folder, kept_warnings([]):
             assembly = assemble(scenario, folder)
             simulator = assembly.simulator(scenario)
-        _Meshes.keep(assembly)
+        _keep(assembly)
         with kept_warnings([]):
             advance(
                 simulator,
@@ -148,11 +148,12 @@ def _require_sane(assembly: Assembly, context: Context) -> None:
         raise ArithmeticError(f"diverged at {context.get_time():.4g} s")
 
 
-class _Meshes:
-    """Keeps the last run's contact alive: equal meshes, hierarchies and fields are not rebuilt."""
+def _keep(assembly: Assembly) -> None:
+    """Keep a run's contact until the thread's next: equal meshes, hierarchies and fields stay.
 
-    _last: Assembly | None = None
-
-    @classmethod
-    def keep(cls, assembly: Assembly) -> None:
-        cls._last = assembly
+    pydrake never frees a Python system that was in a diagram, so the one before is emptied.
+    """
+    last: Assembly | None = getattr(_mine, "last", None)
+    _mine.last = assembly
+    if last is not None:
+        last.contact.__dict__.clear()

@@ -42,14 +42,18 @@ def test_the_same_inputs_give_the_same_bits_whatever_ran_before(plan):
 
 def test_what_runs_have_in_common_is_prepared_once(plan, monkeypatch):
     # Each run would make the hierarchies and nodes of all its meshes anew.
-    made = []
+    meshes = []
     assemble = rollouts.assemble
-    monkeypatch.setattr(
-        rollouts, "assemble", lambda *args: made.append(assemble(*args)) or made[-1]
-    )
+
+    def assemble_and_look(*args):
+        assembly = assemble(*args)
+        meshes.append({each.name: each.mesh for each in assembly.contact.model.geometries})
+        return assembly
+
+    monkeypatch.setattr(rollouts, "assemble", assemble_and_look)
     for radius in (0.02, 0.018):
         scenarios.rollout(plan.base, {"parts.ball.parameters.radius": radius})
-    first, second = ({g.name: g.mesh for g in each.contact.model.geometries} for each in made)
+    first, second = meshes
     assert first["plate/plate::collision"] is second["plate/plate::collision"]
     assert first["ball/ball::collision"] is not second["ball/ball::collision"]
 
