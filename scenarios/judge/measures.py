@@ -19,6 +19,7 @@ from contact_toolkit import NonlinearDamper
 from scenarios.format.errors import ScenarioError
 from scenarios.format.models import surface_of
 from scenarios.format.scenario import Part, Scenario
+from scenarios.judge import heap
 from scenarios.judge.brute_force_web import FacetWeb, equilibrium_height, facet_web
 from scenarios.simulation.record import Record
 
@@ -224,6 +225,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             ),
             needs_body=False,
         ),
+        "heap": Measure(heap.heap, heap.FIGURES, needs_body=False),
     }
 )
 
