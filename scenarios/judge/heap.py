@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import CollisionMesh
 from scenarios.format.errors import ScenarioError
 from scenarios.format.models import surface_of
 from scenarios.judge.overlap import deepest_overlap
+from scenarios.simulation.record import Record
 from systems.plant.names import BodyNames
 
 if TYPE_CHECKING:
     from scenarios.judge.measures import Run
+
+Floats = NDArray[np.float64]
 
 FIGURES = (
     "parts",
@@ -26,14 +33,48 @@ FIGURES = (
 )
 
 
+@dataclass(frozen=True)
+class Heap:
+    """Solids at their poses X_WB (4, 4), and which of them can move."""
+
+    solids: Sequence[CollisionMesh]
+    X_WB: Sequence[Floats]
+    moves: NDArray[np.bool_]
+
+    @cached_property
+    def deepest_overlap(self) -> float:
+        """How deep any is in another [m]."""
+        return deepest_overlap(self.solids, self.X_WB, self.moves)
+
+    def figures(self, moving: Sequence[str], record: Record, window: float) -> dict[str, float]:
+        """Return the figures of motion alone; `moving` are the names of what can move.
+
+        A part is lost if any of it is outside of the box around the fixed ones.
+        """
+        corners = [
+            mesh.vertices @ X[:3, :3].T + X[:3, 3]
+            for mesh, X in zip(self.solids, self.X_WB, strict=True)
+        ]
+        low, high = (np.array([end(p, axis=0) for p in corners]) for end in (np.min, np.max))
+        fixed = ~self.moves
+        outside = (low < low[fixed].min(axis=0)) | (high > high[fixed].max(axis=0))
+        speed = np.linalg.norm(_vectors(record, moving, "v", window), axis=1)
+        return {
+            "parts": float(len(moving)),
+            "parts lost": float(outside[self.moves].any(axis=1).sum()),
+            "deepest overlap [mm]": 1e3 * self.deepest_overlap,
+            "largest speed at the end [mm/s]": 1e3 * float(speed.max()),
+        }
+
+
 def heap(run: Run) -> dict[str, float]:
     """Figures of all parts that move, at the end.
 
-    A part is lost if any of it is outside of the box around the fixed parts. Overlaps come from the
-    distances of points, not from the forces. What contact does less the part's weight is unbalanced.
+    Overlaps come from the distances of points, not from the forces. What contact does less a part's
+    weight is unbalanced.
     """
-    plant, context = run.plant, run.plant_context
-    names, gravity = BodyNames(plant), plant.gravity_field().gravity_vector()
+    plant, context, names = run.plant, run.plant_context, BodyNames(run.plant)
+    gravity = plant.gravity_field().gravity_vector()
     fixed = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
     meshes = {name: CollisionMesh(*surface_of(part)) for name, part in run.scenario.parts.items()}
     bodies = [plant.get_body(BodyIndex(i)) for i in range(plant.num_bodies())]
@@ -41,32 +82,24 @@ def heap(run: Run) -> dict[str, float]:
     moving = [body for body in bodies if body.index() not in fixed]
     if not 0 < len(moving) < len(bodies):
         raise ScenarioError("the measure 'heap' needs parts that move and parts that are fixed")
-
-    solids = [meshes[body.name()] for body in bodies]
-    X_WB = [plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4() for body in bodies]
-    corners = [
-        mesh.vertices @ X[:3, :3].T + X[:3, 3] for mesh, X in zip(solids, X_WB, strict=True)
-    ]
-    low, high = (np.array([end(p, axis=0) for p in corners]) for end in (np.min, np.max))
-    moves = np.array([body.index() not in fixed for body in bodies])
-    outside = (low < low[~moves].min(axis=0)) | (high > high[~moves].max(axis=0))
-
-    last = run.record.last(run.scenario.acceptance.window)
-    velocity, force = (
-        np.array(
-            [[run[f"{names.name_of(b.index())}.{q}{x}"][last] for x in "xyz"] for b in moving]
-        )
-        for q in "vf"
+    at_end = Heap(
+        [meshes[body.name()] for body in bodies],
+        [plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4() for body in bodies],
+        np.array([body.index() not in fixed for body in bodies]),
     )
-    mean_force = force.mean(axis=2)
+    called = [names.name_of(body.index()) for body in moving]
+    window = run.scenario.acceptance.window
+    force = _vectors(run.record, called, "f", window).mean(axis=2)
     weight = np.array([body.get_mass(context) * gravity for body in moving])
-    left = np.linalg.norm(mean_force + weight, axis=1) / np.linalg.norm(weight, axis=1)
-    figures = (
-        len(moving),
-        outside[moves].any(axis=1).sum(),
-        1e3 * deepest_overlap(solids, X_WB, moves),
-        1e3 * np.linalg.norm(velocity, axis=1).max(),
-        -mean_force.sum(axis=0) @ gravity / (weight.sum(axis=0) @ gravity),
-        left.max(),
-    )
-    return {name: float(value) for name, value in zip(FIGURES, figures, strict=True)}
+    left = np.linalg.norm(force + weight, axis=1) / np.linalg.norm(weight, axis=1)
+    carried = -force.sum(axis=0) @ gravity / (weight.sum(axis=0) @ gravity)
+    return at_end.figures(called, run.record, window) | {
+        "weight carried": float(carried),
+        "largest unbalanced force [weights]": float(left.max()),
+    }
+
+
+def _vectors(record: Record, bodies: Sequence[str], quantity: str, window: float) -> Floats:
+    """Return a quantity of bodies in the last part of a run, (bodies, 3, rows)."""
+    last = record.last(window)
+    return np.array([[record[f"{name}.{quantity}{x}"][last] for x in "xyz"] for name in bodies])
