@@ -90,7 +90,9 @@ def compare(
 def comparison_table(name: str, scenario: Scenario, outcomes: Sequence[Outcome]) -> Table:
     """Return one row an engine: verdict, the figures judged, and what any run can be asked."""
     heads, rows = _rows(scenario, outcomes)
-    table = Table(*(Text(head) for head in heads), title=name, title_justify="left")
+    table = Table(title=name, title_justify="left")
+    for head in heads:
+        table.add_column(Text(head))
     for engine, verdict, *cells in rows:
         colour = "green" if verdict == "passed" else "red"
         table.add_row(engine, Text(verdict, colour), *cells)

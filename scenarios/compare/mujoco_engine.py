@@ -45,9 +45,7 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
         for name, drive in scenario.drives.items()
     ]  # fmt: skip
     called = body_names(placements(scenario))
-    moving = [
-        name for name in called if model.body(name).dofnum[0] or _is_jointed(name, scenario)
-    ]
+    moving = [name for name in called if model.body(name).dofnum[0] or _is_jointed(name, scenario)]
     every = max(1, round(scenario.record_period / model.opt.timestep))
     steps = round(scenario.simulation_duration / model.opt.timestep)
     rows: list[tuple[float, list[Floats], list[Floats], float]] = []

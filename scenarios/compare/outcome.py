@@ -76,7 +76,6 @@ class Outcome:
         shared = type(acceptance)(limits=limits)
         self.verdict, self.checks = judge(shared, self.figures)
 
-
     def _at_end(self, scenario: Scenario) -> tuple[Heap, list[str]]:
         """Return the scenario's parts at their last poses, and the names of those that moved."""
         placed = placements(scenario)

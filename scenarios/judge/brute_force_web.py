@@ -83,7 +83,8 @@ def equilibrium_height(
     """Return the height z [m] at which the springs carry the weight [N], to a nanometre.
 
     `web_at(z)` is the web of the body A at height z; a spring of force k δⁿ stands for each row.
-    From `start` the search follows the net force, so what it finds is the stable rest nearest that way.
+    From `start` the search follows the net force, so what it finds is the stable rest nearest that
+    way.
     """
 
     def surplus(z: float) -> float:

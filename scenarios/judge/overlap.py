@@ -31,7 +31,9 @@ def deepest_overlap(
         if not (moving[i] or moving[j]) or (low[i] > high[j]).any() or (low[j] > high[i]).any():
             continue
         for solid, other in ((i, j), (j, i)):
-            near = np.all((in_world[other] >= low[solid]) & (in_world[other] <= high[solid]), axis=1)
+            near = np.all(
+                (in_world[other] >= low[solid]) & (in_world[other] <= high[solid]), axis=1
+            )
             points = (in_world[other][near] - X_WB[solid][:3, 3]) @ X_WB[solid][:3, :3]
             distance = signed_distance(meshes[solid], points).distance
             deepest = max(deepest, -float(distance.min(initial=0.0)))

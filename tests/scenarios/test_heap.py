@@ -70,7 +70,7 @@ two:
 
 @pytest.mark.parametrize(("x", "carried"), [(0.05, 1.0), (0.5, 0.5)])
 def test_what_is_lost_and_what_is_not_carried_is_told(tmp_path, x, carried):
-    """A heap would pass with parts beside it that fall for ever. Cubes on a slab: both stick out."""
+    """A heap would pass with parts that fall beside it. Both cubes stick out of the slab."""
     (tmp_path / "two.yaml").write_text(TWO.replace("AT", str(x)))
     figures = run(*load(str(tmp_path / "two.yaml")), tmp_path / "run").figures
     assert figures["parts lost"] == 2

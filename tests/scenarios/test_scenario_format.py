@@ -151,7 +151,8 @@ fall:
 @pytest.mark.parametrize(
     "place",
     [
-        "", "visualization", "simulator_config", "plant_config", "parts.ball", "joints.j", "drives.j",
+        "", "visualization", "simulator_config", "plant_config", "parts.ball", "joints.j",
+        "drives.j",
         "contact", "contact.friction", "contact.overrides.0", "contact.overrides.0.friction",
         "acceptance", "acceptance.limits.g", "directives.0", "directives.0.add_model",
         "directives.1.add_weld", "directives.1.add_weld.X_PC",
