@@ -25,6 +25,7 @@ from scenarios.runner import unwatched_meshcat
 
 Floats = NDArray[np.float64]
 _FRAME_RATE = 32.0  # [1/s]
+_CAPTION = "position: fixed; left: 1em; z-index: 1; font-family: sans-serif"
 
 
 def engines() -> Mapping[str, Callable[[Scenario], Outcome]]:
@@ -88,18 +89,18 @@ def compare(
 
 
 def comparison_table(name: str, scenario: Scenario, outcomes: Sequence[Outcome]) -> Table:
-    """Return one row an engine: verdict, the figures judged, and what any run can be asked."""
+    """Return one column an engine: verdict, the figures judged, and what any run can be asked."""
     heads, rows = _rows(scenario, outcomes)
     table = Table(title=name, title_justify="left")
-    for head in heads:
-        table.add_column(Text(head))
-    for engine, verdict, *cells in rows:
-        colour = "green" if verdict == "passed" else "red"
-        table.add_row(engine, Text(verdict, colour), *cells)
+    for head in ("", *(row[0] for row in rows)):
+        table.add_column(head)
+    verdicts = (Text(row[1], "green" if row[1] == "passed" else "red") for row in rows)
+    table.add_row(heads[1], *verdicts)
+    for number, head in enumerate(heads[2:], start=2):
+        table.add_row(Text(head), *(row[number] for row in rows))
     for outcome in outcomes:
         if outcome.error:
-            table.add_section()
-            table.add_row(outcome.engine, Text(outcome.error))
+            table.caption = f"{table.caption or ''}{outcome.engine}: {outcome.error}\n"
     return table
 
 
@@ -166,6 +167,8 @@ def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], pa
 def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     """Return a self-contained page with all engines' runs beside each other, along y."""
     meshcat = unwatched_meshcat()
+    for scenery in ("/Grid", "/Axes"):
+        meshcat.SetProperty(scenery, "visible", False)
     shown = [outcome for outcome in outcomes if outcome.poses]
     tracks = [X[:, :3, 3] for outcome in shown for X in outcome.poses.values()]
     if not tracks:
@@ -200,9 +203,11 @@ def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     meshcat.StopRecording()
     meshcat.PublishRecording()
     centre = np.median(points, axis=0) + np.array([0.0, gap * (len(shown) - 1) / 2, 0.0])
-    away = 0.9 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
+    away = 0.6 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
     meshcat.SetCameraPose(centre + away * np.array([0.85, -0.1, 0.45]), centre)
-    return str(meshcat.StaticHtml())
+    names = "; ".join(f"{outcome.engine} ({outcome.verdict})" for outcome in shown)
+    caption = f'<p style="{_CAPTION}">From left to right: {names}</p>'
+    return str(meshcat.StaticHtml()).replace("<body>", f"<body>{caption}", 1)
 
 
 def _show(
