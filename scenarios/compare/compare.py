@@ -118,22 +118,22 @@ def comparison_markdown(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
 def _rows(scenario: Scenario, outcomes: Sequence[Outcome]) -> tuple[list[str], list[list[str]]]:
     acceptance = scenario.acceptance
     judged = [name for name in acceptance.limits if any(name in o.figures for o in outcomes)]
-    heads = ["engine", "verdict", *(f"{name} ({acceptance.limits[name]})" for name in judged),
-             "creep [µm/s]", "energy gained [J]", "deepest overlap [mm]", "wall-clock [s]",
-             "× real time"]  # fmt: skip
     rows = []
     for outcome in outcomes:
-        values = [
-            *((outcome.figures.get(name, np.nan), "5") for name in judged),
-            (outcome.creep(acceptance.window), "3"),
-            (outcome.energy_gained(), "2"),
-            (1e3 * outcome.penetration, "2"),
-            (outcome.wall_time if outcome.record is not None else np.nan, "2"),
-            (outcome.real_time_factor, "2"),
-        ]
-        cells = ["–" if np.isnan(value) else f"{value:.{digits}g}" for value, digits in values]
+        of_any = {
+            "creep [µm/s]": outcome.creep(acceptance.window),
+            "energy gained [J]": outcome.energy_gained(),
+            "deepest overlap [mm]": 1e3 * outcome.penetration,
+            "wall-clock [s]": outcome.wall_time if outcome.record is not None else np.nan,
+            "× real time": outcome.real_time_factor,
+        }
+        values = {
+            f"{name} ({acceptance.limits[name]})": f"{outcome.figures.get(name, np.nan):.5g}"
+            for name in judged
+        } | {name: f"{value:.2g}" for name, value in of_any.items() if name not in judged}
+        cells = ["–" if value == "nan" else value for value in values.values()]
         rows.append([outcome.engine, outcome.verdict, *cells])
-    return heads, rows
+    return ["engine", "verdict", *(values if rows else ())], rows
 
 
 def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], path: Path) -> None:
