@@ -118,7 +118,7 @@ def comparison_markdown(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
 def _rows(scenario: Scenario, outcomes: Sequence[Outcome]) -> tuple[list[str], list[list[str]]]:
     acceptance = scenario.acceptance
     judged = [name for name in acceptance.limits if any(name in o.figures for o in outcomes)]
-    rows = []
+    rows, values = [], dict[str, str]()
     for outcome in outcomes:
         of_any = {
             "creep [µm/s]": outcome.creep(acceptance.window),
@@ -133,7 +133,7 @@ def _rows(scenario: Scenario, outcomes: Sequence[Outcome]) -> tuple[list[str], l
         } | {name: f"{value:.2g}" for name, value in of_any.items() if name not in judged}
         cells = ["–" if value == "nan" else value for value in values.values()]
         rows.append([outcome.engine, outcome.verdict, *cells])
-    return ["engine", "verdict", *(values if rows else ())], rows
+    return ["engine", "verdict", *values], rows
 
 
 def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], path: Path) -> None:
