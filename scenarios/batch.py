@@ -62,6 +62,8 @@ class Batch:
             folder.discard()
         if table is not None:
             between_marks(table, "scenarios")
+        if long := [name for name, scenario in loaded if scenario.long]:
+            self._console.print(Text(f"among them, minutes each: {', '.join(long)}"))
         summaries = []
         for name, scenario in loaded:
             try:

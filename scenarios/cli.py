@@ -131,20 +131,23 @@ def run(
     """Run a scenario into a folder and judge it; exit with 1 if it fails its acceptance."""
     from scenarios.batch import Batch
     from scenarios.format.loading import library
+    from scenarios.report.video import check_video, make_video
 
     if everything == (name_or_file is not None):
         raise typer.BadParameter("give either a scenario or --all")
     if table is not None and not everything:
         raise typer.BadParameter("--table goes with --all")
+    if video is not None and everything:
+        raise typer.BadParameter("--video goes with one scenario")
     batch = Batch(console, overrides or [], replace=force, live=meshcat)
     with _mistakes_without_traceback():
+        if video is not None:
+            check_video(video)
         if everything:
             status = batch.run_all(list(library()), out or Path("runs"), table)
         else:
             status = batch.run_one(str(name_or_file), out)
         if video is not None and batch.folder is not None:
-            from scenarios.report.video import make_video
-
             _tell("video", make_video(batch.folder, video))
     raise typer.Exit(status)
 

@@ -37,15 +37,21 @@ class RunFolder:
     def open(self) -> Path:
         """Take the partial folder, empty, and return its path.
 
-        Raises ScenarioError if the target may not be replaced, or if another run is at work on it.
+        Raises ScenarioError if the target cannot be made or may not be replaced, or if another run
+        is at work on it.
         """
         if not self.target.name or self.target.name in (".", ".."):
             self.target = self.target.resolve()
             self.partial = self.target.parent / f".{self.target.name}.partial"
         self._check_target()
-        self.target.parent.mkdir(parents=True, exist_ok=True)
-        self.partial.mkdir(exist_ok=True)
-        self._lock = os.open(self.partial, os.O_RDONLY)
+        try:
+            self.target.parent.mkdir(parents=True, exist_ok=True)
+            self.partial.mkdir(exist_ok=True)
+            self._lock = os.open(self.partial, os.O_RDONLY)
+        except OSError as error:
+            raise ScenarioError(
+                f"{self.target}: cannot be made: {error.strerror}; choose another folder with --out"
+            ) from error
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:

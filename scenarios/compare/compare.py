@@ -16,6 +16,7 @@ from rich.text import Text
 
 from scenarios.compare.drake_engines import builtin, ours
 from scenarios.compare.outcome import Outcome
+from scenarios.compare.placements import body_names, placements
 from scenarios.format.models import surface_of
 from scenarios.format.scenario import Scenario
 from scenarios.report.provenance import commit, host, now, versions
@@ -24,6 +25,7 @@ from scenarios.runner import unwatched_meshcat
 
 Floats = NDArray[np.float64]
 _FRAME_RATE = 32.0  # [1/s]
+_CAPTION = "position: fixed; left: 1em; z-index: 1; font-family: sans-serif"
 
 
 def engines() -> Mapping[str, Callable[[Scenario], Outcome]]:
@@ -87,58 +89,51 @@ def compare(
 
 
 def comparison_table(name: str, scenario: Scenario, outcomes: Sequence[Outcome]) -> Table:
-    """Return one row an engine: verdict, times, creep, energy, and the figures judged."""
-    limits = scenario.acceptance.limits
-    judged = [figure for figure in scenario.acceptance.figures if figure in limits]
-    table = Table(
-        "engine", "verdict", "wall-clock [s]", "real-time factor", "creep [µm/s]",
-        "energy gained [J]", *(f"{figure} ({limits[figure]})" for figure in judged),
-        title=name, title_justify="left",
-    )  # fmt: skip
-    for outcome in outcomes:
-        figures = outcome.figures
-        table.add_row(
-            outcome.engine,
-            Text(outcome.verdict, "green" if outcome.verdict == "passed" else "red"),
-            f"{outcome.wall_time:.2f}",
-            f"{outcome.real_time_factor:.2f}",
-            f"{outcome.creep(scenario.acceptance.window):.3g}",
-            f"{outcome.energy_gained():.3g}",
-            *(f"{figures[figure]:.5g}" if figure in figures else "–" for figure in judged),
-        )
+    """Return one column an engine: verdict, the figures judged, and what any run can be asked."""
+    heads, rows = _rows(scenario, outcomes)
+    table = Table(title=name, title_justify="left")
+    for head in ("", *(row[0] for row in rows)):
+        table.add_column(head)
+    verdicts = (Text(row[1], "green" if row[1] == "passed" else "red") for row in rows)
+    table.add_row(heads[1], *verdicts)
+    for number, head in enumerate(heads[2:], start=2):
+        table.add_row(Text(head), *(row[number] for row in rows))
     for outcome in outcomes:
         if outcome.error:
-            table.add_section()
-            table.add_row(outcome.engine, Text(outcome.error))
+            table.caption = f"{table.caption or ''}{outcome.engine}: {outcome.error}\n"
     return table
 
 
 def comparison_markdown(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     """Return the rows of `comparison_table` for a document, and what the engines said."""
-    limits = scenario.acceptance.limits
-    judged = [figure for figure in scenario.acceptance.figures if figure in limits]
-    heads = [
-        "engine",
-        "verdict",
-        *(f"{figure} ({limits[figure]})" for figure in judged),
-        "× real time",
-    ]
-    rows = [heads, ["---"] * len(heads)]
-    for outcome in outcomes:
-        got = (outcome.figures.get(figure) for figure in judged)
-        rows.append(
-            [
-                outcome.engine,
-                outcome.verdict,
-                *("–" if value is None else f"{value:.5g}" for value in got),
-                f"{outcome.real_time_factor:.2g}" if outcome.record is not None else "–",
-            ]
-        )
-    table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    heads, rows = _rows(scenario, outcomes)
+    lines = [heads, ["---"] * len(heads), *rows]
+    table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
     said = "".join(
         f"\n{outcome.engine}: {outcome.error}.  " for outcome in outcomes if outcome.error
     )
     return f"Truth: {scenario.acceptance.truth}\n\n{table}\n{said}\n"
+
+
+def _rows(scenario: Scenario, outcomes: Sequence[Outcome]) -> tuple[list[str], list[list[str]]]:
+    acceptance = scenario.acceptance
+    judged = [name for name in acceptance.limits if any(name in o.figures for o in outcomes)]
+    rows, values = [], dict[str, str]()
+    for outcome in outcomes:
+        of_any = {
+            "creep [µm/s]": outcome.creep(acceptance.window),
+            "energy gained [J]": outcome.energy_gained(),
+            "deepest overlap [mm]": 1e3 * outcome.penetration,
+            "wall-clock [s]": outcome.wall_time if outcome.record is not None else np.nan,
+            "× real time": outcome.real_time_factor,
+        }
+        values = {
+            f"{name} ({acceptance.limits[name]})": f"{outcome.figures.get(name, np.nan):.5g}"
+            for name in judged
+        } | {name: f"{value:.2g}" for name, value in of_any.items() if name not in judged}
+        cells = ["–" if value == "nan" else value for value in values.values()]
+        rows.append([outcome.engine, outcome.verdict, *cells])
+    return ["engine", "verdict", *values], rows
 
 
 def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], path: Path) -> None:
@@ -172,11 +167,18 @@ def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], pa
 def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     """Return a self-contained page with all engines' runs beside each other, along y."""
     meshcat = unwatched_meshcat()
+    for scenery in ("/Grid", "/Axes"):
+        meshcat.SetProperty(scenery, "visible", False)
     shown = [outcome for outcome in outcomes if outcome.poses]
     tracks = [X[:, :3, 3] for outcome in shown for X in outcome.poses.values()]
     if not tracks:
         return str(meshcat.StaticHtml())
-    surfaces = {name: surface_of(part) for name, part in scenario.parts.items()}
+    placed = placements(scenario)
+    called = body_names(placed)
+    of_parts = {name: surface_of(part) for name, part in scenario.parts.items()}
+    surfaces = {called[model]: of_parts[placed[model].part] for model in placed}
+    starts = {called[model]: placed[model].X_WB for model in placed}
+    colours = {called[model]: scenario.parts[placed[model].part].rgba for model in placed}
     points = np.concatenate(tracks)
     sizes = {name: float(np.ptp(v, axis=0).max()) for name, (v, _) in surfaces.items()}
     moving = [name for name in surfaces if any(name in o.poses for o in shown)]
@@ -190,10 +192,10 @@ def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
         frames = np.arange(0.0, time[-1], 1.0 / _FRAME_RATE)
         for name, (vertices, faces) in surfaces.items():
             path = f"{outcome.engine}/{name}"
-            _show(meshcat, path, vertices, faces, scenario.parts[name].rgba)
+            _show(meshcat, path, vertices, faces, colours[name])
             X = outcome.poses.get(name)
             if X is None:
-                X = np.broadcast_to(_fixed_pose(scenario, name), (len(time), 4, 4))
+                X = np.broadcast_to(starts[name], (len(time), 4, 4))
             for frame, moment in enumerate(frames):
                 at = X[min(int(np.searchsorted(time, moment)), len(time) - 1)].copy()
                 at[1, 3] += gap * column
@@ -201,9 +203,11 @@ def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     meshcat.StopRecording()
     meshcat.PublishRecording()
     centre = np.median(points, axis=0) + np.array([0.0, gap * (len(shown) - 1) / 2, 0.0])
-    away = 0.9 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
+    away = 0.6 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
     meshcat.SetCameraPose(centre + away * np.array([0.85, -0.1, 0.45]), centre)
-    return str(meshcat.StaticHtml())
+    names = "; ".join(f"{outcome.engine} ({outcome.verdict})" for outcome in shown)
+    caption = f'<p style="{_CAPTION}">From left to right: {names}</p>'
+    return str(meshcat.StaticHtml()).replace("<body>", f"<body>{caption}", 1)
 
 
 def _show(
@@ -221,15 +225,6 @@ def _rigid(X: Floats):  # type: ignore[no-untyped-def]
     from pydrake.math import RigidTransform, RotationMatrix
 
     return RigidTransform(RotationMatrix.ProjectToRotationMatrix(X[:3, :3]), X[:3, 3])
-
-
-def _fixed_pose(scenario: Scenario, name: str) -> Floats:
-    for directive in scenario.directives:
-        weld = directive.add_weld
-        if weld is not None and weld.child.partition("::")[0] == name and weld.X_PC is not None:
-            X: Floats = weld.X_PC.GetDeterministicValue().GetAsMatrix4()
-            return X
-    return np.eye(4)
 
 
 def _most_telling_body(outcomes: Sequence[Outcome]) -> str:
@@ -255,6 +250,7 @@ def _save(name: str, scenario: Scenario, outcomes: Sequence[Outcome], path: Path
             "real_time_factor": _number(outcome.real_time_factor),
             "creep [um/s]": _number(outcome.creep(scenario.acceptance.window)),
             "energy gained [J]": _number(outcome.energy_gained()),
+            "deepest overlap [mm]": _number(1e3 * outcome.penetration),
             "figures": {key: _number(value) for key, value in outcome.figures.items()},
         }
         for outcome in outcomes

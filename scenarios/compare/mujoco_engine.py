@@ -5,6 +5,8 @@ from __future__ import annotations
 import tempfile
 import time
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 
 from contact_toolkit import CollisionMesh, decompose
 from scenarios.compare.outcome import Outcome, record_of
+from scenarios.compare.placements import body_names, placements
 from scenarios.format.errors import ScenarioError
 from scenarios.format.models import surface_of
 from scenarios.format.scenario import Scenario
@@ -30,6 +33,7 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
     """Run it; raises ScenarioError where it has models that are no parts of the scenario."""
     import mujoco
 
+    _require_parts_only(scenario)
     outcome = Outcome("MuJoCo")
     with tempfile.TemporaryDirectory() as folder:
         model = mujoco.MjModel.from_xml_string(_model_xml(scenario, Path(folder)))
@@ -40,9 +44,8 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
          int(model.joint(name.rpartition("::")[2]).qposadr[0]))
         for name, drive in scenario.drives.items()
     ]  # fmt: skip
-    moving = [
-        part for part in scenario.parts if model.body(part).dofnum[0] or _is_jointed(part, scenario)
-    ]
+    called = body_names(placements(scenario))
+    moving = [name for name in called if model.body(name).dofnum[0] or _is_jointed(name, scenario)]
     every = max(1, round(scenario.record_period / model.opt.timestep))
     steps = round(scenario.simulation_duration / model.opt.timestep)
     rows: list[tuple[float, list[Floats], list[Floats], float]] = []
@@ -58,9 +61,11 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
         wall += time.perf_counter() - started
     outcome.wall_time = wall
     times = np.array([row[0] for row in rows])
-    poses = {part: np.stack([row[1][i] for row in rows]) for i, part in enumerate(moving)}
-    velocities = {part: np.stack([row[2][i] for row in rows]) for i, part in enumerate(moving)}
-    masses = {part: float(model.body(part).mass[0]) for part in moving}
+    poses = {called[name]: np.stack([row[1][i] for row in rows]) for i, name in enumerate(moving)}
+    velocities = {
+        called[name]: np.stack([row[2][i] for row in rows]) for i, name in enumerate(moving)
+    }
+    masses = {called[name]: float(model.body(name).mass[0]) for name in moving}
     kinetic = np.array([row[3] for row in rows])
     outcome.poses = poses
     outcome.record = record_of(times, poses, velocities, masses, kinetic, scenario.gravity)
@@ -68,16 +73,16 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
     return outcome
 
 
-def _is_jointed(part: str, scenario: Scenario) -> bool:
-    return any(joint.child.partition("::")[0] == part for joint in scenario.joints.values())
+def _is_jointed(name: str, scenario: Scenario) -> bool:
+    return any(joint.child.partition("::")[0] == name for joint in scenario.joints.values())
 
 
 def _look(
     mujoco: Any, model: Any, data: Any, moving: list[str]
 ) -> tuple[float, list[Floats], list[Floats], float]:
     poses, velocities = [], []
-    for part in moving:
-        body = model.body(part).id
+    for name in moving:
+        body = model.body(name).id
         X = np.eye(4)
         X[:3, :3], X[:3, 3] = data.xmat[body].reshape(3, 3), data.xpos[body]
         V = np.zeros(6)
@@ -115,15 +120,19 @@ def _model_xml(scenario: Scenario, folder: Path) -> str:
               "integrator": "implicitfast", "noslip_iterations": "0"}  # fmt: skip
     ET.SubElement(root, "option", option)
     assets, world = ET.SubElement(root, "asset"), ET.SubElement(root, "worldbody")
-    poses, fixed = _placements(scenario)
+    placed = placements(scenario)
+    called = body_names(placed)
+    solids = {
+        part: _add_meshes(scenario, part, assets, folder)
+        for part in dict.fromkeys(placement.part for placement in placed.values())
+    }
     bodies: dict[str, ET.Element] = {}
-    for name in _parents_first(scenario):
-        if name not in poses:
-            raise ScenarioError(f"MuJoCo: the part {name} is in no add_model directive")
+    for name in _parents_first(scenario, placed):
         joint = next(
             ((n, j) for n, j in scenario.joints.items() if j.child.partition("::")[0] == name), None
         )
-        parent, position, quaternion = world, poses[name][:3, 3], _quaternion(poses[name])
+        X_WB = placed[name].X_WB
+        parent, position, quaternion = world, X_WB[:3, 3], _quaternion(X_WB)
         if joint is not None:
             above = joint[1].parent.partition("::")[0]
             parent = world if above == "world" else bodies[above]
@@ -134,30 +143,39 @@ def _model_xml(scenario: Scenario, folder: Path) -> str:
             kind = {"prismatic": "slide", "revolute": "hinge"}[joint[1].kind]
             ET.SubElement(body, "joint", name=joint[0], type=kind, axis=_text(joint[1].axis),
                           damping=repr(joint[1].damping))  # fmt: skip
-        elif name not in fixed:
+        elif not placed[name].fixed:
             ET.SubElement(body, "freejoint", name=f"{name}_free")
-        _add_solid(scenario, name, body, assets, folder)
+        _add_solid(body, *solids[placed[name].part], *_friction(scenario, called[name]))
     _add_pair_filter(scenario, root)
     return ET.tostring(root, encoding="unicode")
 
 
-def _add_solid(
-    scenario: Scenario, name: str, body: ET.Element, assets: ET.Element, folder: Path
-) -> None:
-    part = scenario.parts[name]
-    surface = surface_of(part)
+def _add_meshes(
+    scenario: Scenario, part: str, assets: ET.Element, folder: Path
+) -> tuple[trimesh.Trimesh, list[str]]:
+    """Return a part as a solid with its density, and the names of the meshes of its pieces."""
+    surface = surface_of(scenario.parts[part])
     solid = trimesh.Trimesh(*surface, process=False)
-    solid.density = part.mass / solid.volume if part.mass else part.density
+    mass, density = scenario.parts[part].mass, scenario.parts[part].density
+    solid.density = mass / solid.volume if mass else density
+    names = []
+    for number, piece in enumerate(_convex_pieces(surface, solid)):
+        path = write_obj(folder / f"{part}_{number}.obj", piece)
+        ET.SubElement(assets, "mesh", name=path.stem, file=path.name)
+        names.append(path.stem)
+    return solid, names
+
+
+def _add_solid(
+    body: ET.Element, solid: trimesh.Trimesh, meshes: list[str], friction: float, priority: int
+) -> None:
     inertia = np.asarray(solid.moment_inertia)
     full = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     ET.SubElement(body, "inertial", mass=repr(float(solid.mass)), pos=_text(solid.center_mass),
                   fullinertia=_text(full))  # fmt: skip
-    friction, priority = _friction(scenario, name)
-    for number, piece in enumerate(_convex_pieces(surface, solid)):
-        path = write_obj(folder / f"{name}_{number}.obj", piece)
-        ET.SubElement(assets, "mesh", name=path.stem, file=path.name)
-        rubs = f"{friction} 0.005 0.0001"  # sliding, and MuJoCo's defaults of the others
-        ET.SubElement(body, "geom", type="mesh", mesh=path.stem, friction=rubs, condim="4",
+    rubs = f"{friction} 0.005 0.0001"  # sliding, and MuJoCo's defaults of the others
+    for mesh in meshes:
+        ET.SubElement(body, "geom", type="mesh", mesh=mesh, friction=rubs, condim="4",
                       priority=str(priority))  # fmt: skip
 
 
@@ -188,36 +206,22 @@ def _add_pair_filter(scenario: Scenario, root: ET.Element) -> None:
         return
     wanted = {frozenset(pair) for pair in scenario.contact.pairs}
     contact = ET.SubElement(root, "contact")
-    names = list(scenario.parts)
-    for i, a in enumerate(names):
-        for b in names[i + 1 :]:
-            if frozenset((a, b)) not in wanted:
-                ET.SubElement(contact, "exclude", body1=a, body2=b)
+    for (a, a_called), (b, b_called) in combinations(body_names(placements(scenario)).items(), 2):
+        if frozenset((a_called, b_called)) not in wanted:
+            ET.SubElement(contact, "exclude", body1=a, body2=b)
 
 
-def _placements(scenario: Scenario) -> tuple[dict[str, Floats], set[str]]:
-    """Return X_WB of every part, and those welded to the world, from the directives."""
-    poses: dict[str, Floats] = {}
-    fixed: set[str] = set()
+def _require_parts_only(scenario: Scenario) -> None:
     for directive in scenario.directives:
-        model, weld = directive.add_model, directive.add_weld
-        if model is not None:
-            if not model.file.startswith("package://parts/"):
-                raise ScenarioError(f"MuJoCo: {model.file} is no part of the scenario")
-            poses[model.name] = np.eye(4)
-            for body, X in (model.default_free_body_pose or {}).items():
-                poses[body] = X.GetDeterministicValue().GetAsMatrix4()
-        elif weld is not None:
-            child = weld.child.partition("::")[0]
-            fixed.add(child)
-            if weld.X_PC is not None:
-                poses[child] = weld.X_PC.GetDeterministicValue().GetAsMatrix4()
-        else:
+        if directive.add_model is None and directive.add_weld is None:
             raise ScenarioError("MuJoCo: only add_model and add_weld are translated")
-    return poses, fixed
+    models = [d.add_model for d in scenario.directives if d.add_model is not None]
+    placed = placements(scenario)
+    if others := [model.file for model in models if model.name not in placed]:
+        raise ScenarioError(f"MuJoCo: {others[0]} is no part of the scenario")
 
 
-def _parents_first(scenario: Scenario) -> list[str]:
+def _parents_first(scenario: Scenario, placed: Iterable[str]) -> list[str]:
     parents = {
         joint.child.partition("::")[0]: joint.parent.partition("::")[0]
         for joint in scenario.joints.values()
@@ -227,7 +231,7 @@ def _parents_first(scenario: Scenario) -> list[str]:
         above = parents.get(name, "world")
         return 0 if above == "world" else 1 + depth(above)
 
-    return sorted(scenario.parts, key=depth)
+    return sorted(placed, key=depth)
 
 
 def _quaternion(X: Floats) -> Floats:

@@ -8,9 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_toolkit import CollisionMesh
+from scenarios.compare.placements import body_names, placements
+from scenarios.format.models import surface_of
 from scenarios.format.scenario import Scenario
 from scenarios.judge.acceptance import Check, judge
 from scenarios.judge.expressions import columns_in, evaluate
+from scenarios.judge.heap import Heap
 from scenarios.simulation.record import Record, motion_units
 
 Floats = NDArray[np.float64]
@@ -18,12 +22,16 @@ Floats = NDArray[np.float64]
 
 @dataclass
 class Outcome:
-    """A run of one engine: poses X_WB (n, 4, 4) by body, the record, its figures and verdict."""
+    """A run of one engine: poses X_WB (n, 4, 4) by body, the record, its figures and verdict.
+
+    `penetration` is how deep parts are in each other at the end [m].
+    """
 
     engine: str
     record: Record | None = None
     poses: Mapping[str, Floats] = field(default_factory=dict)
     wall_time: float = 0.0
+    penetration: float = float("nan")
     figures: dict[str, float] = field(default_factory=dict)
     checks: list[Check] = field(default_factory=list)
     verdict: str = ""
@@ -57,12 +65,31 @@ class Outcome:
         """Hold those figures of the scenario that every engine has against its limits."""
         assert self.record is not None
         acceptance = scenario.acceptance
+        at_end, moving = self._at_end(scenario)
+        if acceptance.measure == "heap":
+            self.figures |= at_end.figures(moving, self.record, acceptance.window)
+        self.penetration = at_end.deepest_overlap
         for name, expression in acceptance.figures.items():
             if all(column in self.record.columns for column in columns_in(expression)):
                 self.figures[name] = evaluate(expression, self.record, acceptance.window)
         limits = {name: limit for name, limit in acceptance.limits.items() if name in self.figures}
         shared = type(acceptance)(limits=limits)
         self.verdict, self.checks = judge(shared, self.figures)
+
+    def _at_end(self, scenario: Scenario) -> tuple[Heap, list[str]]:
+        """Return the scenario's parts at their last poses, and the names of those that moved."""
+        placed = placements(scenario)
+        surfaces = {part: surface_of(scenario.parts[part]) for part in scenario.parts}
+        meshes = {part: CollisionMesh(*surface) for part, surface in surfaces.items()}
+        names = body_names(placed)
+        return Heap(
+            [meshes[placement.part] for placement in placed.values()],
+            [
+                self.poses[names[model]][-1] if names[model] in self.poses else placement.X_WB
+                for model, placement in placed.items()
+            ],
+            np.array([name in self.poses for name in names.values()], dtype=bool),
+        ), [name for name in names.values() if name in self.poses]
 
 
 def record_of(

@@ -58,7 +58,7 @@ class Scenario:
     description
         One line for `contact-toolkit list`.
     long
-        Whether it takes minutes; `run --all` tells so beforehand.
+        Whether it takes more than half a minute; `list` says so, and `run --all` beforehand.
     cannot
         What other engines cannot do here, by engine, for `contact-toolkit compare`.
     random_seed

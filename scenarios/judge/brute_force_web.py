@@ -32,13 +32,13 @@ class FacetWeb:
         """Unit vectors (n, 3) from B towards A."""
         return (self.p_a - self.p_b) / self.distance[:, None]
 
-    def energy(self, k: float, standoff: float) -> float:
-        """Return the energy [J] stored in springs of k [N/m], one a row."""
-        return float(0.5 * k * np.square(standoff - self.distance).sum())
+    def energy(self, k: float, standoff: float, n: float = 1.0) -> float:
+        """Return the energy [J] stored in springs of force k δⁿ [N], one a row."""
+        return float(k / (n + 1) * ((standoff - self.distance) ** (n + 1)).sum())
 
-    def lift(self, k: float, standoff: float) -> float:
-        """Return the upward force [N] on A of springs of k [N/m], one a row."""
-        return float(k * ((standoff - self.distance) * self.direction[:, 2]).sum())
+    def lift(self, k: float, standoff: float, n: float = 1.0) -> float:
+        """Return the upward force [N] on A of springs of force k δⁿ [N], one a row."""
+        return float(k * ((standoff - self.distance) ** n * self.direction[:, 2]).sum())
 
     def merged(self) -> FacetWeb:
         """Return the web without the rows whose two points repeat, to a nanometre, another's."""
@@ -73,16 +73,22 @@ def closest_points(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 def equilibrium_height(
-    web_at: Callable[[float], FacetWeb], weight: float, k: float, standoff: float, start: float
+    web_at: Callable[[float], FacetWeb],
+    weight: float,
+    k: float,
+    standoff: float,
+    start: float,
+    n: float = 1.0,
 ) -> float:
     """Return the height z [m] at which the springs carry the weight [N], to a nanometre.
 
-    `web_at(z)` is the web of the body A at height z; there is one spring of k [N/m] a row. From
-    `start` the search follows the net force, so what it finds is the stable rest nearest that way.
+    `web_at(z)` is the web of the body A at height z; a spring of force k δⁿ stands for each row.
+    From `start` the search follows the net force, so what it finds is the stable rest nearest that
+    way.
     """
 
     def surplus(z: float) -> float:
-        return web_at(z).lift(k, standoff) - weight
+        return web_at(z).lift(k, standoff, n) - weight
 
     step = standoff / 8
     up = surplus(start) > 0.0

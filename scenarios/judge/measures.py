@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from contact_toolkit import NonlinearDamper
+from contact_toolkit import CollisionMesh, NonlinearDamper, intersects
 from scenarios.format.errors import ScenarioError
 from scenarios.format.models import surface_of
-from scenarios.format.scenario import Part, Scenario
+from scenarios.format.scenario import Scenario
+from scenarios.judge import heap
 from scenarios.judge.brute_force_web import FacetWeb, equilibrium_height, facet_web
 from scenarios.simulation.record import Record
 
@@ -100,9 +101,8 @@ def energy(run: Run) -> Figures:
     The rest state: the springs carry the weight, on the axis, upright.
     """
     total = run["kinetic_energy"] + run["gravitational_energy"] + run["elastic_energy"]
-    web_at, k, standoff = _web_of_height(run, np.eye(3), np.zeros(2))
-    rest = equilibrium_height(web_at, run.weight, k, standoff, start=run[".z"][0])
-    at_rest = run.weight * rest + web_at(rest).energy(k, standoff)
+    rest, web, law = _rest_of(run, np.eye(3), np.array([0.0, 0.0, run[".z"][0]]))
+    at_rest = run.weight * rest + web.energy(**law)
     swing = total[0] - at_rest
     return {
         "start energy above rest [J]": float(swing),
@@ -224,6 +224,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             ),
             needs_body=False,
         ),
+        "heap": Measure(heap.heap, heap.FIGURES, needs_body=False),
     }
 )
 
@@ -241,15 +242,17 @@ def count_bounces(height: NDArray[np.float64], rise: float) -> int:
 
 def _height_at_rest(run: Run) -> float:
     X_WB = run.plant.EvalBodyPoseInWorld(run.plant_context, run.plant.GetBodyByName(run.body))
-    p_WB = X_WB.translation()
-    web_at, k, standoff = _web_of_height(run, X_WB.rotation().matrix(), p_WB[:2])
-    return equilibrium_height(web_at, run.weight, k, standoff, start=p_WB[2])
+    return _rest_of(run, X_WB.rotation().matrix(), X_WB.translation())[0]
 
 
-def _web_of_height(
-    run: Run, R_WB: NDArray[np.float64], offset: NDArray[np.float64]
-) -> tuple[Callable[[float], FacetWeb], float, float]:
-    """Return the web of the body as a function of its height, the spring constant, the standoff."""
+def _rest_of(
+    run: Run, R_WB: NDArray[np.float64], start: NDArray[np.float64]
+) -> tuple[float, FacetWeb, dict[str, float]]:
+    """Return the height at which the web carries the body, the web there, and its springs' law.
+
+    Raises ValueError if there is none, or none without the surfaces crossing, where a web means
+    nothing.
+    """
     contact, parts = run.scenario.contact, run.scenario.parts
     k, standoff = contact.k, contact.standoff
     if contact.web != "facet" or k is None or standoff is None:
@@ -257,16 +260,16 @@ def _web_of_height(
     others = [name for name in parts if name != run.body]
     if run.body not in parts or len(others) != 1:
         raise ScenarioError(f"the measure needs two parts, one called '{run.body}'")
-    body, fixed = _triangles(parts[run.body]), _triangles(parts[others[0]])
-    unit = contact.weighting == "unit"
+    body, fixed = surface_of(parts[run.body]), surface_of(parts[others[0]])
+    law = {"k": k, "standoff": standoff, "n": 1.0 if contact.n is None else contact.n}
 
     def web_at(z: float) -> FacetWeb:
-        web = facet_web(body @ R_WB.T + [*offset, z], fixed, standoff)
-        return web.merged() if unit else web
+        moved = body[0] @ R_WB.T + [*start[:2], z]
+        web = facet_web(moved[body[1]], fixed[0][fixed[1]], standoff)
+        return web.merged() if contact.weighting == "unit" else web
 
-    return web_at, k, standoff
-
-
-def _triangles(part: Part) -> NDArray[np.float64]:
-    vertices, faces = surface_of(part)
-    return vertices[faces]
+    height = equilibrium_height(web_at, run.weight, start=start[2], **law)
+    X_WB = np.block([[R_WB, np.reshape([*start[:2], height], (3, 1))], [0, 0, 0, 1]])
+    if intersects(CollisionMesh(*fixed), CollisionMesh(*body), X_WB):
+        raise ValueError(f"no equilibrium: the springs would carry it at {height:.4g} m, crossing")
+    return height, web_at(height), law

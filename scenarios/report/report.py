@@ -22,7 +22,8 @@ def scenario_table(scenarios: Mapping[str, Scenario]) -> Table:
     """Return the names of scenarios and what they show."""
     table = Table("scenario", "what it shows", box=None, pad_edge=False)
     for name, scenario in scenarios.items():
-        table.add_row(Text(name, "bold"), Text(scenario.description))
+        said = scenario.description + (" (takes minutes)" if scenario.long else "")
+        table.add_row(Text(name, "bold"), Text(said))
     return table
 
 

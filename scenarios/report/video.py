@@ -14,6 +14,12 @@ from scenarios.format.errors import ScenarioError
 from scenarios.report.playback_page import MENDS, playback_page
 
 
+def check_video(path: Path) -> None:
+    """Raise ScenarioError for a file that no video can be written to, by its name."""
+    if path.suffix not in (".mp4", ".gif"):
+        raise ScenarioError(f"{path}: a video ends in .mp4 or .gif")
+
+
 def make_video(
     folder: Path, path: Path, *, frame_rate: float = 25.0, size: tuple[int, int] = (960, 640)
 ) -> Path:
@@ -21,8 +27,7 @@ def make_video(
 
     Raises ScenarioError for another suffix and where what films it is missing.
     """
-    if path.suffix not in (".mp4", ".gif"):
-        raise ScenarioError(f"{path}: a video ends in .mp4 or .gif")
+    check_video(path)
     frames = _frames(folder / "playback.html", frame_rate, size)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".gif":

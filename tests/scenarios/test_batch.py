@@ -78,6 +78,15 @@ def test_a_document_without_marks_is_told_before_the_first_run(batch):
     assert batch.ran == []
 
 
+def test_what_takes_minutes_is_told_before_the_first_run(batch):
+    """A user would take `run --all` for hung."""
+    batch("passed", "interrupted").run_all(["incline", "part_bin_hundred"], batch.out)
+    before, _, _ = batch.text.getvalue().partition("scenario")
+    assert "minutes each: part_bin_hundred\n" in before
+    batch("passed").run_all(["bouncing_ball"], batch.out)
+    assert batch.text.getvalue().count("minutes each") == 1
+
+
 def test_ctrl_c_stops_all_and_says_how_many_were_left(batch):
     """Ctrl-C would only go on to the next of thirty runs."""
     assert batch("passed", "interrupted").run_all(NAMES, batch.out) == STOPPED

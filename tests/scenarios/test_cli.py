@@ -4,12 +4,16 @@ import json
 import re
 import warnings
 
+import numpy as np
 import pytest
+from PIL import Image
+from playback_page import CHROMIUM
 from typer.testing import CliRunner
 
 import contact_toolkit
 from scenarios.cli import app
 from scenarios.parts import make_part, write_obj
+from scenarios.run_folder import RunFolder
 
 
 @pytest.fixture
@@ -189,6 +193,54 @@ def test_a_failed_set_leaves_the_earlier_run_and_report_tells_the_truth(call, tm
     crash = ("plant_config.time_step=0.01", "contact.k=1e6", "contact.discrete=explicit")
     call("run", "drop.yaml", "--force", *(f for s in crash for f in ("--set", s)), status=1)
     assert re.search(r"acceptance\W+error", call("report", "runs/drop"))
+
+
+def test_the_second_of_two_runs_at_once_is_told(call, tmp_path):
+    """Both would write one folder."""
+    (tmp_path / "drop.yaml").write_text(DROP)
+    first = RunFolder(tmp_path / "runs" / "drop")
+    first.open()
+    output = call("run", "drop.yaml", status=2)
+    assert "runs/drop: another run is writing it; wait for it, or choose another" in output
+    first.discard()
+    call("run", "drop.yaml")
+
+
+def test_files_and_folders_may_have_odd_names(call, tmp_path):
+    """Drake reads models by URL: blanks, marks and letters of other languages would break it."""
+    odd = tmp_path / "50 % größer #1"
+    odd.mkdir()
+    write_obj(odd / "my würfel.obj", make_part("box"))
+    (odd / "drop it.yaml").write_text(
+        DROP.replace("cube: {generator: box}", "cube: {mesh: my würfel.obj}"), encoding="utf-8"
+    )
+    call("run", odd / "drop it.yaml", "--out", odd / "my runs" / "§ 1?")
+    assert (odd / "my runs" / "§ 1?" / "playback.html").is_file()
+
+
+def test_a_video_that_cannot_be_made_is_told_before_the_run(call, tmp_path):
+    """Minutes would be simulated before the complaint."""
+    (tmp_path / "drop.yaml").write_text(DROP)
+    refused = call("run", "drop.yaml", "--video", "drop.avi", status=2)
+    assert "drop.avi: a video ends in .mp4 or .gif" in refused
+    assert "--video goes with one scenario" in call("run", "--all", "--video", "a.gif", status=2)
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.browser
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium (Debian: apt install chromium)")
+def test_a_video_shows_the_run_from_start_to_end(call, tmp_path):
+    """An empty file, or a still picture."""
+    longer = DROP.replace("simulation_duration: 0.02", "simulation_duration: 0.2")
+    (tmp_path / "drop.yaml").write_text(longer.replace("0.0559", "0.3"))
+    output = call("run", "drop.yaml", "--video", "drop.gif", "--set", "acceptance={}")
+    assert "video: drop.gif" in output
+    with Image.open(tmp_path / "drop.gif") as film:
+        assert film.n_frames == 5  # 25 a second, up to the playback's last of 32 a second
+        first = np.asarray(film.convert("RGB")).astype(int)
+        film.seek(4)
+        last = np.asarray(film.convert("RGB")).astype(int)
+    assert np.any(first != last, axis=-1).sum() > 1000
 
 
 def test_judging_never_ends_in_a_traceback(call, tmp_path, monkeypatch):

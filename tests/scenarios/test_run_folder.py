@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import pytest
 
@@ -106,13 +107,23 @@ def test_a_folder_that_is_no_run_is_never_replaced(tmp_path, replace):
     assert (tmp_path / "thesis" / "chapter.tex").exists()
 
 
+@pytest.mark.parametrize(
+    ("target", "reason"), [("/sys/run", "Operation not permitted|Permission denied|Read-only"),
+                           ("file/run", "Not a directory|File exists")]
+)  # fmt: skip
+def test_a_place_that_cannot_be_written_is_named(tmp_path, monkeypatch, target, reason):
+    """The complaint would be a traceback, or name a hidden folder that nobody asked for."""
+    (tmp_path / "file").touch()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ScenarioError, match=f"^{target}: cannot be made: ({reason}); choose"):
+        RunFolder(Path(target)).open()
+
+
 @pytest.mark.parametrize("name", ["with space", "ünïcode", "dots.in.it", "deep/in/there", "."])
 def test_odd_paths_work(tmp_path, monkeypatch, name):
     """A path with blanks, dots or missing parents would break the renaming."""
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
-    from pathlib import Path
-
     folder = RunFolder(Path(name))
     fill(folder, "odd")
     assert text(folder.keep()) == "odd"

@@ -121,6 +121,24 @@ def test_ctrl_c_leaves_a_readable_partial_run(scenario, tmp_path):
     assert (tmp_path / "run" / "playback.html").is_file()
 
 
+@pytest.mark.parametrize("stage", ["collect", "judge_run", "draw_series", "draw_web"])
+def test_ctrl_c_after_the_simulation_leaves_a_run_that_says_so(
+    scenario, tmp_path, monkeypatch, stage
+):
+    """Minutes of simulation would be lost, or a run without its figures would be called passed."""
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"scenarios.runner.{stage}", interrupt)
+    run("drop", scenario("simulation_duration=0.01"), tmp_path / "run")
+    summary = Summary.load(tmp_path / "run")
+    assert summary.verdict == "interrupted"
+    assert summary.error == "interrupted while the run was evaluated"
+    assert summary.simulated_time == pytest.approx(0.01)
+    assert [path.name for path in tmp_path.iterdir() if path.name != "drop.yaml"] == ["run"]
+
+
 def test_a_crash_is_passed_on_and_leaves_a_readable_partial_run(scenario, tmp_path):
     def fail(simulated):
         if simulated > 0.05:
@@ -147,6 +165,7 @@ def test_a_crash_is_passed_on_and_leaves_a_readable_partial_run(scenario, tmp_pa
         ("contact.pairs=[[ball, moon]]", "moon"),
         ("parts.ball.generator=torus", "no part is called 'torus'"),
         ("parts.ball.parameters.radius=-1", "radius must be positive"),
+        ("parts.ball.parameters.radus=1", "radus"),
         ("directives.0.add_model.file=package://parts/table.sdf", "table.sdf"),
         ("directives.0.add_model.file=/nowhere/table.sdf", "table.sdf"),
         ("initial_position.moon.joint=[1]", "initial_position.moon.joint"),

@@ -112,6 +112,9 @@ def test_overrides_reach_into_mappings_and_lists(write):
         ("simulator_config: {accuracy: -1}", "simulator_config.accuracy must be positive"),
         ("simulator_config: {integration_scheme: rk}", "simulator_config.integration_scheme must"),
         ("random_seed: -1", "random_seed must not be negative"),
+        ("random_seed: 4294967296", "random_seed must be below 2³²"),
+        ("simulator_config: {target_realtime_rate: -1}", "target_realtime_rate must not be"),
+        ("simulator_config: {accuracy: .nan}", "simulator_config.accuracy must be positive"),
         ("plant_config: {time_step: -0.001}", "plant_config.time_step must not be negative"),
         ("visualization: {frame_rate: 1e9}", "frame_rate of 1e.09 1/s makes .* no browser"),
         ("record_period: 1e-9", "record_period of 1e-09 s makes"),
@@ -127,6 +130,41 @@ def test_overrides_reach_into_mappings_and_lists(write):
 def test_bad_values_are_named_with_their_place(write, addition, complaint):
     with pytest.raises(ScenarioError, match=complaint):
         load(write(f"{MINIMAL}  {addition}\n"))
+
+
+EVERYWHERE = """
+fall:
+  visualization: {web: true}
+  simulator_config: {accuracy: 1.0e-3}
+  plant_config: {time_step: 0.001}
+  parts: {ball: {generator: icosphere}}
+  joints: {j: {child: "ball::ball"}}
+  drives: {j: {amplitude: 1.0, frequency: 1.0}}
+  contact: {friction: {static: 0.1}, overrides: [{bodies: [ball, box], friction: {static: 0.2}}]}
+  acceptance: {limits: {g: {at_most: 1}}}
+  directives:
+  - add_model: {name: ball, file: package://parts/ball.sdf}
+  - add_weld: {parent: world, child: "ball::ball", X_PC: {translation: [0, 0, 0]}}
+"""
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        "", "visualization", "simulator_config", "plant_config", "parts.ball", "joints.j",
+        "drives.j",
+        "contact", "contact.friction", "contact.overrides.0", "contact.overrides.0.friction",
+        "acceptance", "acceptance.limits.g", "directives.0", "directives.0.add_model",
+        "directives.1.add_weld", "directives.1.add_weld.X_PC",
+    ],
+)  # fmt: skip
+def test_a_misspelt_key_is_named_wherever_it_stands(write, place):
+    """It would be passed over, and the run would be another than the one written down."""
+    path = write(EVERYWHERE)
+    assert load(path)[0] == "fall"
+    wrong = f"{place}.mispelt" if place else "mispelt"
+    with pytest.raises(ScenarioError, match=rf"scenario\.yaml: fall: unknown key {wrong}$"):
+        load(path, [f"{wrong}=1"])
 
 
 @pytest.mark.parametrize(
