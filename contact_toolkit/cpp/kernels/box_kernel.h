@@ -5,6 +5,7 @@
 #include "kernels/kernels.h"
 #include "kernels/lanes.h"
 #include "kernels/separation.h"
+#include "kernels/slabs.h"
 
 namespace contact_toolkit {
 namespace {
@@ -43,42 +44,6 @@ struct PosedBoxes {
   }
 };
 
-// The slabs of a and of b against the boxes of the other.
-struct PosedSlabs {
-  Float8 reach_b[3];                         // |normals of a| along the axes of B
-  alignas(32) float normal[3][8], place[8];  // of b's slabs in A
-
-  CT_INLINE PosedSlabs(const BvhNode& a, const BvhNode& b, const CullPose& X) {
-    Float8 at = Load8(b.middle);
-    for (int i = 0; i < 3; ++i) {
-      Float8 n{}, turned{};
-      for (int k = 0; k < 3; ++k) {
-        n = n + X.R[i][k] * Load8(b.normal[k]);
-        turned = turned + X.R[k][i] * Load8(a.normal[k]);
-      }
-      Store8(normal[i], n);
-      reach_b[i] = Absolute(turned);
-      at = at + X.p[i] * n;
-    }
-    Store8(place, at);
-  }
-
-  // How far, at least, the children of a are from child j of b.
-  CT_INLINE Float8 Gaps(const BvhNode& a, const BvhNode& b, const PosedBoxes& boxes, int j,
-                        float slack) const {
-    Float8 from_a = -Load8(a.middle), reach_a = Load8(a.thick);
-    Float8 from_b = Fill8(-place[j]), reach_of_b = Fill8(b.thick[j]);
-    for (int i = 0; i < 3; ++i) {
-      from_a = from_a + Load8(a.normal[i]) * boxes.center[i][j];
-      reach_a = reach_a + reach_b[i] * b.half[i][j];
-      const float n = normal[i][j];
-      from_b = from_b + n * Load8(a.center[i]);
-      reach_of_b = reach_of_b + (n < 0 ? -n : n) * Load8(a.half[i]);
-    }
-    return Most(Absolute(from_a) - reach_a, Absolute(from_b) - reach_of_b) - slack;
-  }
-};
-
 std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float reach) {
   std::uint64_t pairs = 0;
   const Float8 most = Fill8(reach * reach * 1.0001f);
@@ -90,12 +55,12 @@ std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB,
   }
   // Facets will be compared along their normals anyway.
   if (pairs == 0 || (a.bottom() && b.bottom())) return pairs;
-  const PosedSlabs slabs(a, b, X_AB);
+  const PosedSlabs slabs(a, b, X_AB.R, X_AB.p);
   const Float8 limit = Fill8(reach * 1.0001f);
   std::uint64_t near = 0;
   for (int j = 0; j < b.count; ++j) {
     if ((pairs >> (8 * j) & 0xff) == 0) continue;
-    near |= Bits(slabs.Gaps(a, b, boxes, j, X_AB.slack) <= limit) << (8 * j);
+    near |= Bits(slabs.Gaps(a, b, boxes.center, j, X_AB.slack) <= limit) << (8 * j);
   }
   return pairs & near;
 }
@@ -107,7 +72,7 @@ template <class Visit>
 CT_INLINE void ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X, float limit,
                          Visit visit) {
   const PosedBoxes boxes(b, X);
-  const PosedSlabs slabs(a, b, X);
+  const PosedSlabs slabs(a, b, X.R, X.p);
   for (int j = 0; j < b.count; ++j) {
     Float8 offset[3];
     boxes.Offsets(a, j, offset);
@@ -115,7 +80,7 @@ CT_INLINE void ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X, 
     const float size = boxes.half[0][j] + boxes.half[1][j] + boxes.half[2][j];
     const float close = Least(limit, size * size);
     if ((Bits(squared <= Fill8(close)) & LanesUsed(a.count)) != 0) {
-      const Float8 gap = Most(slabs.Gaps(a, b, boxes, j, X.slack), Float8{});
+      const Float8 gap = Most(slabs.Gaps(a, b, boxes.center, j, X.slack), Float8{});
       squared = Most(gap * gap, squared);
     }
     visit(j, squared * 0.9999f, offset);

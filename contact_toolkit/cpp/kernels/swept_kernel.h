@@ -4,6 +4,7 @@
 
 #include "kernels/lanes.h"
 #include "kernels/separation.h"
+#include "kernels/slabs.h"
 #include "kernels/swept_kernels.h"
 
 namespace contact_toolkit {
@@ -59,29 +60,39 @@ CT_INLINE void Turn(const Float8 (&c)[3], const Float8 (&h)[3], int count, const
   }
 }
 
-float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float squared_reach,
-                     float bound[64], std::uint64_t* near) {
-  const std::uint64_t used = (std::uint64_t{1} << a.count) - 1;
-  *near = 0;
-  const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
-  const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
+// The children of b against those of a over the slice.
+struct SweptNodes {
+  const BvhNode &a, &b;
+  const SweptCull& cull;
   SweptBoxes boxes;
-  if (cull.turn > 0) {
-    Turn(c, h, b.count, cull, &boxes);
-  } else {
-    Translate(c, h, cull, &boxes);
-  }
   Float8 across_a[3];
   alignas(32) float across_b[3][8];
-  for (int n = 0; n < cull.across_count; ++n) {
-    const Float8 half_a[3]{Load8(a.half[0]), Load8(a.half[1]), Load8(a.half[2])};
-    across_a[n] = Row(cull.abs_across_A[n], half_a);
-    Store8(across_b[n], Row(cull.abs_across_B[n], h) + cull.slack);
+
+  CT_INLINE SweptNodes(const BvhNode& a, const BvhNode& b, const SweptCull& cull)
+      : a(a), b(b), cull(cull) {
+    const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
+    const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
+    if (cull.turn > 0) {
+      Turn(c, h, b.count, cull, &boxes);
+    } else {
+      Translate(c, h, cull, &boxes);
+    }
+    for (int n = 0; n < cull.across_count; ++n) {
+      const Float8 half_a[3]{Load8(a.half[0]), Load8(a.half[1]), Load8(a.half[2])};
+      across_a[n] = Row(cull.abs_across_A[n], half_a);
+      Store8(across_b[n], Row(cull.abs_across_B[n], h) + cull.slack);
+    }
   }
-  for (int j = 0; j < b.count; ++j) {
-    Float8 offset[3], squared{};
+
+  // From the box of child j to those of a, middle to middle.
+  CT_INLINE void Offsets(int j, Float8 (&offset)[3]) const {
+    for (int i = 0; i < 3; ++i) offset[i] = Load8(a.center[i]) - boxes.center[i][j];
+  }
+
+  // Lower bounds of the squared distances of child j.
+  CT_INLINE Float8 Squared(int j, const Float8 (&offset)[3]) const {
+    Float8 squared{};
     for (int i = 0; i < 3; ++i) {
-      offset[i] = Load8(a.center[i]) - boxes.center[i][j];
       Float8 gap = Absolute(offset[i]) - Load8(a.half[i]) - boxes.half[i][j];
       gap = Most(gap, Float8{});
       squared = squared + gap * gap;
@@ -91,11 +102,57 @@ float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, 
       const Float8 gap = Most(along - across_a[n] - across_b[n][j], Float8{});
       squared = Most(squared, gap * gap);
     }
-    squared = squared * 0.9999f;
+    return squared;
+  }
+};
+
+float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float squared_reach,
+                     float bound[64], std::uint64_t* near) {
+  const std::uint64_t used = (std::uint64_t{1} << a.count) - 1;
+  const SweptNodes nodes(a, b, cull);
+  *near = 0;
+  for (int j = 0; j < b.count; ++j) {
+    Float8 offset[3];
+    nodes.Offsets(j, offset);
+    const Float8 squared = nodes.Squared(j, offset) * 0.9999f;
     Store8(bound + 8 * j, squared);
     *near |= (Bits(squared <= Fill8(squared_reach)) & used) << (8 * j);
   }
-  return boxes.furthest;
+  return nodes.boxes.furthest;
+}
+
+void TranslationOrders(const BvhNode& a, const BvhNode& b, const SweptCull& cull, const float p[3],
+                       float limit, float middles, float bound[64], float order[64]) {
+  const SweptNodes nodes(a, b, cull);
+  float middle[3], way[3];
+  Float8 stretch[3], back[3];  // boxes at p are shorter than swept ones, and that far from these
+  for (int i = 0; i < 3; ++i) {
+    middle[i] = 0.5f * (cull.p_begin[i] + cull.p_end[i]);
+    way[i] = 0.5f * (cull.p_end[i] - cull.p_begin[i]);
+    stretch[i] = Fill8(way[i] < 0 ? -way[i] : way[i]);
+    back[i] = Fill8(middle[i] - p[i]);
+  }
+  PosedSlabs slabs(a, b, cull.R, middle);
+  slabs.Sweep(a, way);
+  for (int j = 0; j < b.count; ++j) {
+    Float8 offset[3], posed{}, apart{};
+    nodes.Offsets(j, offset);
+    Float8 squared = nodes.Squared(j, offset);
+    float size = 0;
+    for (int i = 0; i < 3; ++i) size += nodes.boxes.half[i][j];
+    if (Bits(squared <= Fill8(Least(limit, size * size))) != 0) {
+      const Float8 gap = Most(slabs.Gaps(a, b, nodes.boxes.center, j, cull.slack), Float8{});
+      squared = Most(gap * gap, squared);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const Float8 at = offset[i] + back[i];
+      const Float8 gap = Absolute(at) - Load8(a.half[i]) - (nodes.boxes.half[i][j] - stretch[i]);
+      posed = posed + Most(gap, Float8{}) * Most(gap, Float8{});
+      apart = apart + at * at;
+    }
+    Store8(bound + 8 * j, squared * 0.9999f);
+    Store8(order + 8 * j, posed + middles * apart);
+  }
 }
 
 // Least and most of the three corners along the direction (8 lanes of facets).

@@ -5,7 +5,7 @@
 namespace contact_toolkit {
 
 const SweptKernels& Avx2SweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<4>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationOrders, SweptFacetCull, CullPrisms<4>};
   return kernels;
 }
 

@@ -5,7 +5,7 @@
 namespace contact_toolkit {
 
 const SweptKernels& Avx512SweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<8>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationOrders, SweptFacetCull, CullPrisms<8>};
   return kernels;
 }
 
