@@ -151,7 +151,7 @@ void TranslationOrders(const BvhNode& a, const BvhNode& b, const SweptCull& cull
       apart = apart + at * at;
     }
     Store8(bound + 8 * j, squared * 0.9999f);
-    Store8(order + 8 * j, posed + middles * apart);
+    Store8(order + 8 * j, Most(posed, squared) + middles * apart);
   }
 }
 

@@ -23,7 +23,7 @@ constexpr int kFewPairs = 2;
 LineCull LineCullOf(const Bvh& a, const Bvh& b, const Motion& motion) {
   const Pose start = motion.At(0);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion.translation();
-  return {a,   b,   start.R, begin, end, kStaleSweptAim,
+  return {a,   b,   start.R, begin, end, kStaleAim,
           kTouching * std::max(Norm(begin), Norm(end))};
 }
 
