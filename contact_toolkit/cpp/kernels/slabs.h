@@ -2,11 +2,16 @@
 // instruction set, inside an unnamed namespace.
 #pragma once
 
+#include <cstdint>
+
 #include "kernels/lanes.h"
 #include "shapes/bvh.h"
 
 namespace contact_toolkit {
 namespace {
+
+// Bits of the lanes that hold children.
+CT_INLINE std::uint64_t LanesUsed(int count) { return (std::uint64_t{1} << count) - 1; }
 
 // The slabs of a and of b, posed by R and p in the frame of A's boxes, against the boxes of the
 // other.

@@ -60,19 +60,14 @@ const PosedPair& TranslationQuery::Posed() {
   return *posed_;
 }
 
-void TranslationQuery::Orders(const BvhNode& a, const BvhNode& b, float* bound, float* order) {
+std::uint64_t TranslationQuery::Orders(const BvhNode& a, const BvhNode& b, float* bound,
+                                       float* order) {
   if (at_time_ != best_.time) {
     at_time_ = best_.time;
     const Vec3 at = cull_.begin.p + at_time_ * (cull_.end.p - cull_.begin.p);
     for (int i = 0; i < 3; ++i) at_[i] = static_cast<float>(at[i]);
   }
-  kernels_.translation_orders(a, b, cull_, at_, static_cast<float>(std::min(squared_reach(), 1e38)),
-                              kMiddles, bound, order);
-}
-
-void TranslationQuery::Bounds(const BvhNode& a, const BvhNode& b, float* bound) {
-  float order[kBvhWidth * kBvhWidth];
-  Orders(a, b, bound, order);
+  return kernels_.translation_orders(a, b, cull_, at_, Limit(), kMiddles, bound, order);
 }
 
 std::uint64_t TranslationQuery::Cull(const BvhNode& a, const BvhNode& b,

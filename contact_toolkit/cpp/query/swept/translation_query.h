@@ -7,6 +7,7 @@
 // lie where the closest pair so far is closest: its neighbours are so too.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -35,12 +36,15 @@ class TranslationQuery {
   bool Apart(std::int32_t node_a, std::int32_t node_b) {
     return best_.facet_a >= 0 && line_cull_.Apart(node_a, node_b, best_.distance, line_);
   }
-  void Bounds(const BvhNode& a, const BvhNode& b, float* bound);
-  void Orders(const BvhNode& a, const BvhNode& b, float* bound, float* order);
+  std::uint64_t Bounds(const BvhNode& a, const BvhNode& b, float* bound) const {
+    return kernels_.translation_bounds(a, b, cull_, Limit(), bound);
+  }
+  std::uint64_t Orders(const BvhNode& a, const BvhNode& b, float* bound, float* order);
   std::uint64_t Cull(const BvhNode& a, const BvhNode& b, std::uint64_t pairs) const;
   void Measure(const BvhNode& a, const BvhNode& b, std::uint64_t pairs);
 
  private:
+  float Limit() const { return static_cast<float>(std::min(squared_reach(), 1e38)); }
   // Where B is when the closest pair so far is closest.
   const PosedPair& Posed();
   // Measures what seems the closest pair. The others are put off: most are culled by what is known

@@ -54,12 +54,12 @@ class DistanceQuery {
     return found() && line_.Apart(node_a, node_b, std::sqrt(best_), At(found_.normal, 0));
   }
 
-  void Bounds(const BvhNode& a, const BvhNode& b, float* bound) const {
-    pair_.kernels.box_bounds(a, b, pair_.cull, Limit(), bound);
+  std::uint64_t Bounds(const BvhNode& a, const BvhNode& b, float* bound) const {
+    return pair_.kernels.box_bounds(a, b, pair_.cull, Limit(), bound);
   }
 
-  void Orders(const BvhNode& a, const BvhNode& b, float* bound, float* order) const {
-    pair_.kernels.box_orders(a, b, pair_.cull, Limit(), kMiddles, bound, order);
+  std::uint64_t Orders(const BvhNode& a, const BvhNode& b, float* bound, float* order) const {
+    return pair_.kernels.box_orders(a, b, pair_.cull, Limit(), kMiddles, bound, order);
   }
 
   std::uint64_t Cull(const BvhNode& a, const BvhNode& b, std::uint64_t bits) const {

@@ -59,9 +59,10 @@ class Ranking {
 //   bool Apart(std::int32_t node_a, std::int32_t node_b);
 // Whether two nodes are known to be out of reach; may always be false.
 //
-//   void Bounds(const BvhNode& a, const BvhNode& b, float bound[64]);
-//   void Orders(const BvhNode& a, const BvhNode& b, float bound[64], float order[64]);
-// Lower bounds of squared distances; and numbers in whose order to look at the pairs.
+//   std::uint64_t Bounds(const BvhNode& a, const BvhNode& b, float bound[64]);
+//   std::uint64_t Orders(const BvhNode& a, const BvhNode& b, float bound[64], float order[64]);
+// Lower bounds of squared distances, and the bits of pairs they leave within reach; and numbers in
+// whose order to look at the pairs.
 //
 //   std::uint64_t Cull(const BvhNode& a, const BvhNode& b, std::uint64_t pairs);
 // Clears the bits of pairs of leaves that are out of reach.
@@ -105,20 +106,17 @@ class NearestSearch {
 
   void Descend(const Waiting& from, const BvhNode& a, const BvhNode& b) {
     alignas(32) float bound[64], order[64];
-    query_.Orders(a, b, bound, order);
+    std::uint64_t near = query_.Orders(a, b, bound, order);
     // A bottom node stays while the other side descends: the least of its leaves stand for it.
     if (a.bottom()) {
-      for (int j = 0; j < b.count; ++j) KeepLeast(8 * j, 1, a.count, bound, order);
+      near = KeepLeast(near, b.count, 8, a.count, 1, bound, order);
     } else if (b.bottom()) {
-      for (int k = 0; k < a.count; ++k) KeepLeast(k, 8, b.count, bound, order);
+      near = KeepLeast(near, a.count, 1, b.count, 8, bound, order);
     }
-    const int width = a.bottom() ? 1 : a.count, height = b.bottom() ? 1 : b.count;
-    const double reach = query_.squared_reach();
     Ranking ranking;
-    for (int j = 0; j < height; ++j) {
-      for (int k = 0; k < width; ++k) {
-        if (bound[8 * j + k] < reach) ranking.Add(order[8 * j + k], 8 * j + k);
-      }
+    for (; near != 0; near &= near - 1) {
+      const int pair = std::countr_zero(near);
+      ranking.Add(order[pair], pair);
     }
     ranking.Sort();
     // The first last, so that it is opened first.
@@ -129,26 +127,28 @@ class NearestSearch {
     }
   }
 
-  // Of `count` pairs from the first on, `stride` apart: leaves the least of each at the first.
-  static void KeepLeast(int first, int stride, int count, float* bound, float* order) {
-    for (int i = 1; i < count; ++i) {
-      bound[first] = std::min(bound[first], bound[first + stride * i]);
-      order[first] = std::min(order[first], order[first + stride * i]);
+  // Of `count` pairs from each of `rows` pairs on, `stride` and `pitch` apart: leaves the least at
+  // the first. Returns the bits of these where any of theirs is set.
+  static std::uint64_t KeepLeast(std::uint64_t near, int rows, int pitch, int count, int stride,
+                                 float* bound, float* order) {
+    std::uint64_t firsts = 0;
+    for (int first = 0; first < rows * pitch; first += pitch) {
+      for (int pair = first + stride; pair < first + count * stride; pair += stride) {
+        bound[first] = std::min(bound[first], bound[pair]);
+        order[first] = std::min(order[first], order[pair]);
+        near |= (near >> pair & 1) << first;
+      }
+      firsts |= std::uint64_t{1} << first;
     }
+    return near & firsts;
   }
 
   void VisitLeaf(const BvhNode& a, const BvhNode& b) {
     alignas(32) float bound[64], order[64];
     const bool early = ++leaves_ <= kFirstLeaves;
     const double before = query_.squared_reach();
-    if (early) {
-      query_.Orders(a, b, bound, order);
-    } else {
-      query_.Bounds(a, b, bound);
-    }
-    std::uint64_t bits = 0;
-    for (int j = 0; j < b.count; ++j) bits |= ((std::uint64_t{1} << a.count) - 1) << (8 * j);
-    bits = Cull(a, b, bound, bits);
+    std::uint64_t bits = early ? query_.Orders(a, b, bound, order) : query_.Bounds(a, b, bound);
+    if (bits != 0) bits = query_.Cull(a, b, bits);
     while (early && std::popcount(bits) > 3 * kFewPairs / 2) {
       Ranking ranking;
       for (std::uint64_t rest = bits; rest != 0; rest &= rest - 1) {
@@ -159,14 +159,15 @@ class NearestSearch {
       const double reach_before = query_.squared_reach();
       query_.Measure(a, b, few);
       bits &= ~few;
-      if (query_.squared_reach() < reach_before) bits = Cull(a, b, bound, bits);
+      if (query_.squared_reach() < reach_before) bits = CullAgain(a, b, bound, bits);
     }
     if (bits != 0) query_.Measure(a, b, bits);
     GoElsewhere(early, query_.squared_reach() < before);
   }
 
-  // Pairs of leaves that may be closer than the best.
-  std::uint64_t Cull(const BvhNode& a, const BvhNode& b, const float* bound, std::uint64_t bits) {
+  // Pairs of leaves that may still be closer than the best.
+  std::uint64_t CullAgain(const BvhNode& a, const BvhNode& b, const float* bound,
+                          std::uint64_t bits) {
     const double reach = query_.squared_reach();
     std::uint64_t near = 0;
     for (; bits != 0; bits &= bits - 1) {
