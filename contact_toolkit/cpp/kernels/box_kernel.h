@@ -67,8 +67,8 @@ std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB,
 // looked at where boxes are within the squared limit, and no farther away than they are large:
 // beyond, they tell nothing new. Returns the bits (8 j + k) of those within the limit.
 template <class Visit>
-CT_INLINE std::uint64_t ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X, float limit,
-                         Visit visit) {
+CT_INLINE std::uint64_t ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X,
+                                  float limit, Visit visit) {
   const PosedBoxes boxes(b, X);
   const PosedSlabs slabs(a, b, X.R, X.p);
   std::uint64_t near = 0;
@@ -91,8 +91,9 @@ CT_INLINE std::uint64_t ForBounds(const BvhNode& a, const BvhNode& b, const Cull
 
 std::uint64_t BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
                         float bound[64]) {
-  return ForBounds(a, b, X_AB, limit,
-            [&](int j, Float8 squared, const Float8(&)[3]) { Store8(bound + 8 * j, squared); });
+  return ForBounds(a, b, X_AB, limit, [&](int j, Float8 squared, const Float8(&)[3]) {
+    Store8(bound + 8 * j, squared);
+  });
 }
 
 std::uint64_t BoxOrders(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,

@@ -6,7 +6,7 @@ namespace contact_toolkit {
 
 const SweptKernels& Avx2SweptKernels() {
   static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
-                                         SweptFacetCull, CullPrisms<4>};
+                                        SweptFacetCull, CullPrisms<4>};
   return kernels;
 }
 

@@ -6,7 +6,7 @@ namespace contact_toolkit {
 
 const SweptKernels& Avx512SweptKernels() {
   static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
-                                         SweptFacetCull, CullPrisms<8>};
+                                        SweptFacetCull, CullPrisms<8>};
   return kernels;
 }
 

@@ -6,7 +6,7 @@ namespace contact_toolkit {
 
 const SweptKernels& ScalarSweptKernels() {
   static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
-                                         SweptFacetCull, CullPrisms<1>};
+                                        SweptFacetCull, CullPrisms<1>};
   return kernels;
 }
 

@@ -6,7 +6,7 @@ namespace contact_toolkit {
 
 const SweptKernels& VectorSweptKernels() {
   static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
-                                         SweptFacetCull, CullPrisms<2>};
+                                        SweptFacetCull, CullPrisms<2>};
   return kernels;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "base/tolerances.h"
 #include "query/witness/nearest_search.h"
@@ -19,12 +20,13 @@ constexpr double kPassing = 1;
 constexpr double kStaleCull = 0.95;
 // ... unless so few are left that measuring them is as cheap.
 constexpr int kFewPairs = 2;
+// Of so few pairs the tangents tell most, and sooner than planes.
+constexpr int kFewToPose = 8;
 
 LineCull LineCullOf(const Bvh& a, const Bvh& b, const Motion& motion) {
   const Pose start = motion.At(0);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion.translation();
-  return {a,   b,   start.R, begin, end, kStaleAim,
-          kTouching * std::max(Norm(begin), Norm(end))};
+  return {a, b, start.R, begin, end, kStaleAim, kTouching * std::max(Norm(begin), Norm(end))};
 }
 
 }  // namespace
@@ -93,7 +95,10 @@ void TranslationQuery::Measure(const BvhNode& a, const BvhNode& b, std::uint64_t
 }
 
 void TranslationQuery::MeasureFacets() {
-  if (best_.facet_a >= 0) {
+  if (chunk_.count <= kFewToPose) {
+    MeasurePosed();
+    PutLeastLast();
+  } else if (best_.facet_a >= 0) {
     CullPrisms();
     MeasurePosed();
   } else {
@@ -109,6 +114,16 @@ void TranslationQuery::MeasureFacets() {
     put_off_.bound[put_off_.count++] = bound_[i];
   }
   if (put_off_.count + kBvhWidth * kBvhWidth > FacetPairs::kCapacity) Finish();
+}
+
+void TranslationQuery::PutLeastLast() {
+  if (chunk_.count == 0) return;
+  const int last = chunk_.count - 1;
+  const auto least = std::min_element(bound_.begin(), bound_.begin() + chunk_.count);
+  const auto i = least - bound_.begin();
+  std::swap(bound_[i], bound_[last]);
+  std::swap(chunk_.slot_a[i], chunk_.slot_a[last]);
+  std::swap(chunk_.slot_b[i], chunk_.slot_b[last]);
 }
 
 void TranslationQuery::MeasureLast() {

@@ -2,9 +2,9 @@
 // positions, so one GJK for a pair of leaves is exact. But vectorised kernels are many times faster
 // and leave little for it to do: most pairs of facets are separated over the whole way by a plane
 // that is easily found, and as the distance of two convex sets is a convex function of the
-// translation, measured at one time it bounds the rest from below by its tangent. The search is that
-// of the static distance, with the boxes and slabs that B's sweep over, in the order in which they
-// lie where the closest pair so far is closest: its neighbours are so too.
+// translation, measured at one time it bounds the rest from below by its tangent. The search is
+// that of the static distance, with the boxes and slabs that B's sweep over, in the order in which
+// they lie where the closest pair so far is closest: its neighbours are so too.
 #pragma once
 
 #include <algorithm>
@@ -51,6 +51,8 @@ class TranslationQuery {
   // in the end.
   void MeasureFacets();
   void MeasureLast();
+  // Of the chunk, what has the least bound.
+  void PutLeastLast();
   // Measures the pairs that were put off.
   void Finish();
   // [m] Pairs no closer than this could win by rounding only, and do not matter.
@@ -74,8 +76,8 @@ class TranslationQuery {
   Vec3 line_;       // of the closest points so far
   double lowest_;   // of the pairs that GJK gave up on
   SweptDistance best_;
-  float at_[3];           // [m] of B's boxes in A's at ...
-  double at_time_ = -1;   // ... the time of the closest pair when last asked for
+  float at_[3];                             // [m] of B's boxes in A's at ...
+  double at_time_ = -1;                     // ... the time of the closest pair when last asked for
   std::optional<PosedPair> start_, posed_;  // of meshes
   double posed_time_ = -1;
   const SweptKernels& kernels_ = ActiveSweptKernels();

@@ -17,10 +17,10 @@ namespace contact_toolkit {
 
 class LineCull {
  public:
-  // B keeps its attitude R_AB while its hierarchy's origin goes straight from `start` to `end`, both
-  // in A and relative to that of A's hierarchy. stale [-]: the line serves until the distance has
-  // fallen by this fraction of itself or, as far away it hardly changes with the direction, of the
-  // smaller body's size. rounding [m]: of the coordinates.
+  // B keeps its attitude R_AB while its hierarchy's origin goes straight from `start` to `end`,
+  // both in A and relative to that of A's hierarchy. stale [-]: the line serves until the distance
+  // has fallen by this fraction of itself or, as far away it hardly changes with the direction, of
+  // the smaller body's size. rounding [m]: of the coordinates.
   LineCull(const Bvh& a, const Bvh& b, const Mat3& R_AB, const Vec3& start, const Vec3& end,
            double stale, double rounding)
       : a_(a),

@@ -1,4 +1,5 @@
-// Branch and bound over pairs of nodes for what is closest, the best distance so far being the bound.
+// Branch and bound over pairs of nodes for what is closest, the best distance so far being the
+// bound.
 //
 // Depth first, the nearest boxes first, is the cheapest where boxes lie apart. Where they overlap
 // every bound is zero and says nothing: then the boxes whose middles are close go first, and when
