@@ -2,6 +2,7 @@
 // by one source file per instruction set, inside an unnamed namespace.
 #pragma once
 
+#include "base/tolerances.h"
 #include "kernels/facet_cull.h"
 #include "kernels/kernels.h"
 #include "kernels/lanes.h"
@@ -44,7 +45,7 @@ struct PosedBoxes {
 
 std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float reach) {
   std::uint64_t pairs = 0;
-  const Float8 most = Fill8(reach * reach * 1.0001f);
+  const Float8 most = Fill8(reach * reach * (1 + kBoundRounding));
   const PosedBoxes boxes(b, X_AB);
   for (int j = 0; j < b.count; ++j) {
     Float8 offset[3];
@@ -54,7 +55,7 @@ std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB,
   // Facets will be compared along their normals anyway.
   if (pairs == 0 || (a.bottom() && b.bottom())) return pairs;
   const PosedSlabs slabs(a, b, X_AB.R, X_AB.p);
-  const Float8 limit = Fill8(reach * 1.0001f);
+  const Float8 limit = Fill8(reach * (1 + kBoundRounding));
   std::uint64_t near = 0;
   for (int j = 0; j < b.count; ++j) {
     if ((pairs >> (8 * j) & 0xff) == 0) continue;
@@ -82,7 +83,7 @@ CT_INLINE std::uint64_t ForBounds(const BvhNode& a, const BvhNode& b, const Cull
       const Float8 gap = Most(slabs.Gaps(a, b, boxes.center, j, X.slack), Float8{});
       squared = Most(gap * gap, squared);
     }
-    squared = squared * 0.9999f;
+    squared = squared * (1 - kBoundRounding);
     near |= (Bits(squared <= Fill8(limit)) & LanesUsed(a.count)) << (8 * j);
     visit(j, squared, offset);
   }
@@ -107,7 +108,7 @@ std::uint64_t BoxOrders(const BvhNode& a, const BvhNode& b, const CullPose& X_AB
 
 std::uint64_t CullByAxes(const FacetBlock& a, const FacetBlock& b, const CullPose& X, float reach,
                          std::uint64_t pairs) {
-  return CullFacets<false>(a, b, X.R, X.p, {}, {}, reach * 1.0001f + X.slack, pairs);
+  return CullFacets<false>(a, b, X.R, X.p, {}, {}, reach * (1 + kBoundRounding) + X.slack, pairs);
 }
 
 }  // namespace

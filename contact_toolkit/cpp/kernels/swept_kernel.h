@@ -2,6 +2,7 @@
 // instruction set, inside an unnamed namespace.
 #pragma once
 
+#include "base/tolerances.h"
 #include "kernels/facet_cull.h"
 #include "kernels/lanes.h"
 #include "kernels/separation.h"
@@ -114,7 +115,7 @@ float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, 
   for (int j = 0; j < b.count; ++j) {
     Float8 offset[3];
     nodes.Offsets(j, offset);
-    const Float8 squared = nodes.Squared(j, offset) * 0.9999f;
+    const Float8 squared = nodes.Squared(j, offset) * (1 - kBoundRounding);
     Store8(bound + 8 * j, squared);
     *near |= (Bits(squared <= Fill8(squared_reach)) & LanesUsed(a.count)) << (8 * j);
   }
@@ -151,7 +152,7 @@ CT_INLINE std::uint64_t ForTranslation(const SweptNodes& nodes, const MiddleOfWa
       const Float8 gap = Most(slabs.Gaps(a, b, nodes.boxes.center, j, nodes.cull.slack), Float8{});
       squared = Most(gap * gap, squared);
     }
-    squared = squared * 0.9999f;
+    squared = squared * (1 - kBoundRounding);
     near |= (Bits(squared <= Fill8(limit)) & LanesUsed(a.count)) << (8 * j);
     visit(j, squared, offset);
   }
@@ -200,8 +201,8 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
   if (cull.turn == 0) {
     const MiddleOfWay at(cull);
     const float along[3]{direction[0], direction[1], direction[2]};
-    return CullFacets<true>(a, b, cull.R, at.p, at.half_way, along, reach * 1.0001f + cull.slack,
-                            pairs);
+    return CullFacets<true>(a, b, cull.R, at.p, at.half_way, along,
+                            reach * (1 + kBoundRounding) + cull.slack, pairs);
   }
   // Corners of b at both ends of the slice, and how far they stray in between.
   alignas(32) float corner[6][3][8], stray[8], low_b[8], high_b[8];
@@ -214,7 +215,7 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
       Store8(corner[3 + v][i], Row(cull.R_end[i], c) + cull.p_end[i]);
     }
   }
-  Store8(stray, bow + (reach * 1.0001f + cull.slack));
+  Store8(stray, bow + (reach * (1 + kBoundRounding) + cull.slack));
 
   // Along the given direction.
   Span8 spread_a{Fill8(3e38f), Fill8(-3e38f)}, spread_b = spread_a;
