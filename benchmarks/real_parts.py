@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks.attitudes import each_with_itself_and_the_next, translated_at_random
 from benchmarks.harness import Row, Stopwatch
 from benchmarks.mesh_pairs import MeshPair
-from benchmarks.witness_coherent import closed_path, follow
 from benchmarks.translation_sweep import TARGET as SWEEP_TARGET
+from benchmarks.witness_coherent import closed_path, follow
 from benchmarks.yardsticks import Coal, Fcl
 from contact_toolkit import WitnessCache, distance, swept_distance, witness_pairs
 from scenarios.parts import Surface, bumpy_sphere
@@ -46,7 +46,7 @@ def scan(frequency: int, seed: int = 5) -> Surface:
 
 
 def measure_pairs(watch: Stopwatch, pairs: Iterable[MeshPair]) -> Iterator[Row]:
-    """Compare witness pairs, cold and coherent, distances and sweeps of each pair in each attitude."""
+    """Compare witness pairs, cold and coherent, distances and sweeps in each attitude."""
     rng = np.random.default_rng(7)
     for pair in pairs:
         A, B = pair.meshes()

@@ -4,6 +4,8 @@ Translations are judged by the prisms that facets sweep, in extended precision; 
 sampling of the static query, which can only prove a lower bound too high.
 """
 
+import pickle
+
 import mesh_shapes
 import numpy as np
 import pytest
@@ -216,6 +218,14 @@ def test_grazing_rotation_ends():
         nearest = swept_distance(wall, disc, pose(), X1, tolerance=1e-6)
         assert nearest.distance <= gap
         assert nearest.error <= 1e-6
+
+
+def test_answers_are_pickled():
+    """An answer that is lost on its way from another process."""
+    found = swept_distance(_MESHES["cube"], _MESHES["sheet"], pose(p=(0, 0, 2)), pose(p=(1, 0, 1)))
+    again = pickle.loads(pickle.dumps(found))
+    assert repr(again) == repr(found)
+    assert again.distance == found.distance > 0
 
 
 def test_upper_bound():

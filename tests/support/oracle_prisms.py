@@ -10,9 +10,7 @@ from oracle_brute_force import Mesh, triangle_distances
 from scipy.spatial.distance import cdist
 
 
-def swept_by_prisms(
-    A: Mesh, B: Mesh, X0: NDArray[np.float64], X1: NDArray[np.float64]
-) -> float:
+def swept_by_prisms(A: Mesh, B: Mesh, X0: NDArray[np.float64], X1: NDArray[np.float64]) -> float:
     """Least distance of A's facets from the prisms that B's facets sweep."""
     S = A.vertices[A.faces]
     start = B.vertices[B.faces] @ X0[:3, :3].T + X0[:3, 3]
