@@ -150,8 +150,6 @@ inline constexpr double kCoarse = 0.1;
 // fraction of itself or, as far away it hardly changes with the direction, of the smaller body's
 // size.
 inline constexpr double kStaleAim = 0.01;
-// ... and longer in a sweep, where the direction changes with the time of the closest pair.
-inline constexpr double kStaleSweptAim = 0.08;
 // [-] No slice is shorter than this fraction of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 

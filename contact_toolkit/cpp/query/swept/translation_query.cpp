@@ -26,7 +26,7 @@ constexpr int kFewToPose = 8;
 LineCull LineCullOf(const Bvh& a, const Bvh& b, const Motion& motion) {
   const Pose start = motion.At(0);
   const Vec3 begin = start * b.origin - a.origin, end = begin + motion.translation();
-  return {a, b, start.R, begin, end, kStaleAim, kTouching * std::max(Norm(begin), Norm(end))};
+  return {a, b, start.R, begin, end, kTouching * std::max(Norm(begin), Norm(end))};
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class DistanceQuery {
         enough_(enough * enough),
         best_(std::max(upper_bound * upper_bound * (1 + 1e-9), upper_bound > 0 ? kTiny : 0)),
         line_(A_, B_, pair.X_AB.R, pair.X_AB * B_.origin - A_.origin,
-              pair.X_AB * B_.origin - A_.origin, kStaleAim, kTouching * pair.size) {}
+              pair.X_AB * B_.origin - A_.origin, kTouching * pair.size) {}
 
   void Run() { NearestSearch(A_, B_, this).Run(); }
 

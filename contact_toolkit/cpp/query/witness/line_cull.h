@@ -18,17 +18,14 @@ namespace contact_toolkit {
 class LineCull {
  public:
   // B keeps its attitude R_AB while its hierarchy's origin goes straight from `start` to `end`,
-  // both in A and relative to that of A's hierarchy. stale [-]: the line serves until the distance
-  // has fallen by this fraction of itself or, as far away it hardly changes with the direction, of
-  // the smaller body's size. rounding [m]: of the coordinates.
+  // both in A and relative to that of A's hierarchy. rounding [m]: of the coordinates.
   LineCull(const Bvh& a, const Bvh& b, const Mat3& R_AB, const Vec3& start, const Vec3& end,
-           double stale, double rounding)
+           double rounding)
       : a_(a),
         b_(b),
         R_AB_(R_AB),
         start_(start),
         end_(end),
-        stale_(stale),
         slack_(kCullingSlack * (a.size + b.size) + rounding),
         extents_a_(Extents(0)),
         extents_b_(Extents(1)) {}
@@ -49,7 +46,7 @@ class LineCull {
   // Extents are no larger than the bodies, so single precision does; the way between them is in
   // double.
   void Aim(double distance, const Vec3& line) {
-    stale_below_ = distance - stale_ * std::min({distance, a_.size, b_.size});
+    stale_below_ = distance - kStaleAim * std::min({distance, a_.size, b_.size});
     const Vec3 along = extents_a_.Start(a_, line);
     extents_b_.Start(b_, -(Transpose(R_AB_) * along));
     length_ = Norm(along) * (1 + kTouching);
@@ -59,7 +56,7 @@ class LineCull {
   const Bvh &a_, &b_;
   const Mat3 R_AB_;
   const Vec3 start_, end_;
-  const double stale_, slack_;
+  const double slack_;
   double stale_below_ = std::numeric_limits<double>::infinity();  // [m] then aim anew
   double offset_ = 0;                                             // [m] of B's origin, and slack
   double length_ = 1;                                             // of the direction as rounded
