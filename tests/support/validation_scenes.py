@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from pydrake.geometry import Box, HalfSpace, Shape, Sphere
 from pydrake.math import RigidTransform, RotationMatrix
@@ -26,6 +27,18 @@ HEAVY = 1e9  # [kg]
 Floats = NDArray[np.float64]
 
 
+# Steps of a plant [s]; 0: a continuous one, which is slow where its contact is stiff.
+ON_BOTH_PLANTS = pytest.mark.parametrize("time_step", [0.0, 1e-3])
+ON_BOTH_PLANTS_BUT_SLOW = pytest.mark.parametrize(
+    "time_step", [pytest.param(0.0, marks=pytest.mark.slow), 1e-3]
+)
+
+
+def on(time_step: float) -> str:
+    """Return what a row of the table adds to the name of an experiment on such a plant."""
+    return f", discrete, {1e3 * time_step:g} ms" if time_step else ""
+
+
 def check(record_property, row: tuple[int, str], expected, got, tolerance, *, relative=True):
     """Record a figure for the table, then hold it to the tolerance of its row."""
     error = float(abs(got / expected - 1) if relative else abs(got - expected))
@@ -37,6 +50,24 @@ def judge(record_property, row: tuple[int, str], expected: str, got: str):
     """Record a verdict for the table, then hold it to the expected one."""
     record_property("validation", (*row, expected, got, "", "verdict"))
     assert got == expected
+
+
+def check_first_order(
+    record_property, row: tuple[int, str], expected: float, step: float, measure, tolerance: float
+):
+    """Hold what discrete plants tend to, as steps shrink, to the tolerance of its row.
+
+    `measure` tells a figure at a step [s]. What it changes by must halve with the step, as it does
+    by backward Euler; what it is without steps is then known from the last two.
+    """
+    coarse, middle, fine = (measure(step / part) for part in (1, 2, 4))
+    number, name = row
+    steps = f"discrete, from {1e3 * step:g} ms down"
+    order = (number, f"{name}, {steps}: order of convergence")
+    got = math.log2((coarse - middle) / (middle - fine))
+    check(record_property, order, 1.0, got, 0.2)
+    limit = (number, f"{name}, {steps}: limit")
+    check(record_property, limit, expected, 2 * fine - middle, tolerance)
 
 
 @dataclass(frozen=True)
@@ -124,7 +155,7 @@ class Scene:
         """Connect contact (None: Drake's own) and a force; return the run at time 0.
 
         A continuous plant takes steps of this length [s], so that no figure hangs on what an error
-        control takes for small; None: as Drake's error control has it.
+        control takes for small; None: as Drake's error control has it. A discrete one has its own.
         """
         self.plant.Finalize()
         if push is not None:
@@ -146,7 +177,7 @@ class Run:
         self.simulator = Simulator(scene.builder.Build())
         self.context = self.simulator.get_mutable_context()
         self.plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
-        if step is None:
+        if step is None or self.plant.time_step():
             return
         integrator = self.simulator.get_mutable_integrator()
         integrator.set_maximum_step_size(step)

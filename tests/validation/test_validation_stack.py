@@ -9,7 +9,7 @@ import pytest
 from pydrake.geometry import Mesh
 from pydrake.multibody.tree import CalcSpatialInertia
 from scipy.optimize import brentq
-from validation_scenes import GRAVITY, Scene, area_web, check, judge
+from validation_scenes import GRAVITY, ON_BOTH_PLANTS, Scene, area_web, check, judge, on
 
 from scenarios.parts import doughnut, truncated_cone, write_obj
 
@@ -22,8 +22,8 @@ LANDED, PRESSED, RELEASED, END = 0.8, 1.2, 1.6, 2.0
 
 
 class Doughnut:
-    def __init__(self, folder, mu: float) -> None:
-        scene = Scene()
+    def __init__(self, folder, mu: float, time_step: float) -> None:
+        scene = Scene(time_step=time_step)
         shapes = {
             name: Mesh(write_obj(folder / f"{name}.obj", part()))
             for name, part in (("cone", truncated_cone), ("doughnut", doughnut))
@@ -82,16 +82,17 @@ def height_without_friction(weight: float, cuts: int = 16) -> float:
 
 
 @pytest.mark.slow
-def test_a_doughnut_wedges_on_a_cone_by_friction_alone(record_property, tmp_path):
+@ON_BOTH_PLANTS
+def test_a_doughnut_wedges_on_a_cone_by_friction_alone(record_property, tmp_path, time_step):
     """It springs back after being pressed, and lifts off, iff μ < tan of the half-angle."""
     free = None
     for share in (0.1, 2.5):
         start = time.process_time()
-        stack = Doughnut(tmp_path, share * TAN_HALF_ANGLE)
+        stack = Doughnut(tmp_path, share * TAN_HALF_ANGLE, time_step)
         landed, pressed, released, pulled = map(stack.height, (LANDED, PRESSED, RELEASED, END))
         speed = END / (time.process_time() - start)
         free = free or height_without_friction(stack.weight)
-        name = f"doughnut on cone, μ = {share:g} tan β"
+        name = f"doughnut on cone, μ = {share:g} tan β" + on(time_step)
         if share < 1:
             for when, height in (("landed", landed), ("pressed and released", released)):
                 row = (24, f"{name}: height [mm], {when}")

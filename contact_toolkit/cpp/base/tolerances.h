@@ -183,10 +183,15 @@ inline constexpr double kStepStill = 1e-6;
 inline constexpr double kStepRoundOff = 1e-5;
 // Newton iterations; three are usual, ten many. And rounds of bodies that come near on the way.
 inline constexpr int kStepIterations = 60, kStepRounds = 4;
-// Velocities from which Newton's method starts, one after the other while it fails.
-inline constexpr int kStepStarts = 4;
-// Of the residuals before, so many may still be surpassed when a search begins again.
-inline constexpr std::size_t kStepPatience = 8;
+// Steps along the path to a solution that Newton's method does not find, and corrections of each; a
+// dozen and two are usual.
+inline constexpr int kPathSteps = 100, kPathCorrections = 6;
+// [-] Where the paths start that are tried one after the other, in velocities without contact.
+inline constexpr double kPathStarts[] = {1, 0};
+// [-] The first such step, the longest and the shortest, as fractions of the velocities without
+// contact; and how close to the path each must come, as a fraction of its length.
+inline constexpr double kFirstOnPath = 0.05, kLongestOnPath = 0.1, kShortestOnPath = 1e-7;
+inline constexpr double kOnPath = 1e-2;
 // [-] Fraction of the decrease that the residual's slope promises which a step must bring; and the
 // shortest one that is tried, as a fraction of Newton's.
 inline constexpr double kStepDecrease = 1e-4, kShortestSearch = 1e-4;

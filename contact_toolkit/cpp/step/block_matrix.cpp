@@ -94,6 +94,18 @@ bool BlockMatrix::Factor() {
   return true;
 }
 
+bool BlockMatrix::DeterminantIsNegative() const {
+  bool negative = false;
+  for (std::size_t k = 0; k < num_blocks_; ++k) {
+    const double* diagonal = values_.data() + index_[k * num_blocks_ + k];
+    for (int i = 0; i < sizes_[k]; ++i) {
+      const bool swapped = pivots_[starts_[k] + i] != i;
+      negative ^= swapped ^ (diagonal[i * sizes_[k] + i] < 0);
+    }
+  }
+  return negative;
+}
+
 void BlockMatrix::Solve(std::span<double> x) const {
   const auto block = [&](int i, int j) { return values_.data() + index_[i * num_blocks_ + j]; };
   for (const int k : order_) {

@@ -27,6 +27,9 @@ class BlockMatrix {
   // x = A⁻¹ x, after Factor().
   void Solve(std::span<double> x) const;
 
+  // Of A, after Factor().
+  bool DeterminantIsNegative() const;
+
   int size_of(int i) const { return sizes_[i]; }
   int start_of(int i) const { return starts_[i]; }
   int num_rows() const { return num_rows_; }

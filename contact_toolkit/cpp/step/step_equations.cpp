@@ -138,6 +138,27 @@ double StepEquations::SquaredSizeOf(const StepIsland& island, const auto& veloci
   return std::max(0.0, square);
 }
 
+std::vector<int> StepEquations::DofsOf(const StepIsland& island) const {
+  std::vector<int> dofs;
+  for (const int index : island.trees) {
+    const StepTree& tree = topology_.trees[index];
+    for (int i = 0; i < tree.nv; ++i) dofs.push_back(tree.v_start + i);
+  }
+  return dofs;
+}
+
+void StepEquations::AppendMomentum(const StepIsland& island, std::span<const double> v,
+                                   std::vector<double>* momentum) const {
+  for (const int index : island.trees) {
+    const int n = topology_.trees[index].nv;
+    const double* A = trees_[index].inertia.data();
+    for (int i = 0; i < n; ++i) {
+      momentum->push_back(std::inner_product(A + i * n, A + (i + 1) * n, v.begin(), 0.0));
+    }
+    v = v.subspan(n);
+  }
+}
+
 double StepEquations::FreeChange(const StepIsland& island) const {
   return std::sqrt(
       SquaredSizeOf(island, [this](int dof) { return problem_.v_free[dof] - problem_.v0[dof]; }));
@@ -292,7 +313,7 @@ double StepEquations::LightnessOf(int body) {
 }
 
 void StepEquations::Assemble(const StepIsland& island, std::span<const double> v, Symmetry symmetry,
-                             BlockMatrix* matrix) const {
+                             double share, BlockMatrix* matrix) const {
   std::vector<int> sizes;
   for (const int tree : island.trees) sizes.push_back(topology_.trees[tree].nv);
   std::vector<std::pair<std::int32_t, std::int32_t>> edges;
@@ -309,12 +330,12 @@ void StepEquations::Assemble(const StepIsland& island, std::span<const double> v
     std::ranges::copy(A, matrix->Block(static_cast<int>(i), static_cast<int>(i)));
   }
   for (const int i : island.works) {
-    if (works_[i].found.springs.size() > 0) AddPair(works_[i], v, symmetry, matrix);
+    if (works_[i].found.springs.size() > 0) AddPair(works_[i], v, symmetry, share, matrix);
   }
 }
 
 void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Symmetry symmetry,
-                            BlockMatrix* matrix) const {
+                            double share, BlockMatrix* matrix) const {
   const ContactPair& pair = model_.pairs()[work.found.pair];
   PairLinearization linear;
   model_.LinearizeFound(work.found, X_FB_, V_FB_, &state_, symmetry, &linear);
@@ -345,7 +366,7 @@ void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Sym
         for (std::size_t row = 0; row < changes[s].size(); ++row) {
           const BodyKinematics::Change& with = changes[s][row];
           const double f = Dot(with.spin, on.rotation) + Dot(with.speed, on.translation);
-          block[row * columns + column] -= problem_.step * f;
+          block[row * columns + column] -= share * problem_.step * f;
         }
       }
     }

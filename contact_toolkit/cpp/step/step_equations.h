@@ -69,10 +69,18 @@ class StepEquations {
   double ContactChange(const StepIsland& island);
 
   // dr/dv where forces were last evaluated, with slopes, at `v`: A less h times the derivative of
-  // the generalized forces, by poses and velocities alike. Without Symmetry::kNone what turns along
-  // with the bodies, the wrenches and their arms, counts as fixed. A block per tree.
+  // the generalized forces, by poses and velocities alike, of which a `share` counts. Without
+  // Symmetry::kNone what turns along with the bodies, the wrenches and their arms, counts as fixed.
+  // A block per tree.
   void Assemble(const StepIsland& island, std::span<const double> v, Symmetry symmetry,
-                BlockMatrix* matrix) const;
+                double share, BlockMatrix* matrix) const;
+
+  // Where the island's velocities stand among all, in the order of its trees.
+  std::vector<int> DofsOf(const StepIsland& island) const;
+
+  // A v, for velocities and momenta of the island alone, in that order.
+  void AppendMomentum(const StepIsland& island, std::span<const double> v,
+                      std::vector<double>* momentum) const;
 
   std::vector<StepWork>& works() { return works_; }  // by ascending pair
   std::span<const double> residual() const { return residual_; }
@@ -100,7 +108,7 @@ class StepEquations {
   // vᵀ A v of an island, for the velocity of each degree of freedom.
   double SquaredSizeOf(const StepIsland& island, const auto& velocity) const;
   double LightnessOf(int body);
-  void AddPair(const StepWork& work, std::span<const double> v, Symmetry symmetry,
+  void AddPair(const StepWork& work, std::span<const double> v, Symmetry symmetry, double share,
                BlockMatrix* matrix) const;
 
   const ContactModel& model_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <iterator>
 #include <utility>
 
 #include "base/parallel.h"
@@ -12,6 +10,7 @@
 #include "math/dense.h"
 #include "step/block_matrix.h"
 #include "step/step_equations.h"
+#include "step/step_path.h"
 
 namespace contact_toolkit {
 namespace {
@@ -55,16 +54,14 @@ class StepSolver::Search {
     StepIsland joined;
     Phase phase = Phase::kSearching;
     StepStatus status = StepStatus::kConverged;
-    double merit = 0;           // |r|²
-    bool patient = false;       // merits need only be below the largest of the last few
-    std::deque<double> passed;  // those
-    double drive = 0;           // what the step does without contact
-    double length = 1;          // of the present trial, as a share of the Newton step
-    bool symmetric = false;     // take the symmetric part of Newton's matrix
-    bool stuck = false;         // neither matrix led any further
-    bool from_last = false;     // began at the velocities of the last step
-    bool still = false;         // moved so slowly in the last step that it began at none
-    std::vector<double> best;   // velocities of the best start so far
+    double merit = 0;          // |r|²
+    double drive = 0;          // what the step does without contact
+    double length = 1;         // of the present trial, as a share of the Newton step
+    bool symmetric = false;    // take the symmetric part of Newton's matrix
+    bool stuck = false;        // neither matrix led any further
+    bool from_last = false;    // began at the velocities of the last step
+    bool still = false;        // moved so slowly in the last step that it began at none
+    std::vector<double> best;  // velocities of the best start so far
     double best_merit = 0;
     int iterations = 0;
     BlockMatrix matrix;
@@ -99,21 +96,21 @@ class StepSolver::Search {
     }
   }
 
-  // Where Newton's method fails from one start, it tries others: a wedge that lets go has no
+  // Where Newton's method fails, it goes on from where paths lead: a wedge that lets go has no
   // solution near the one at rest.
   void SolveIslands() {
     Iterate();
-    for (int attempt = 1; attempt < kStepStarts; ++attempt) {
-      bool failed = false;
-      for (Island& island : islands_) failed = Restart(&island, attempt) || failed;
-      if (!failed) return;
+    if (std::ranges::none_of(islands_, Failed)) return;
+    for (const double start : kPathStarts) {
+      for (Island& island : islands_) {
+        if (Failed(island)) Lead(&island, start);
+      }
       Iterate();
     }
     for (Island& island : islands_) {
-      if (Failed(island) && island.best_merit < island.merit) {
-        ForEachDof(island, [&](int dof) { v_[dof] = island.best[dof]; });
-        island.phase = Phase::kSearching;
-      }
+      if (!Failed(island)) continue;
+      KeepBest(&island);
+      island.phase = Phase::kSearching;
     }
     EvaluateAtAccepted();
     for (Island& island : islands_) island.phase = Phase::kDone;
@@ -121,32 +118,29 @@ class StepSolver::Search {
 
   static bool Failed(const Island& island) { return island.status == StepStatus::kIterationLimit; }
 
-  // Whether it has to go on: from the velocities without contact or those of the last step,
-  // whichever it has not been; from none, so that it comes upon surfaces from outside; from half of
-  // each of the first two. Now with patience: where sticking turns to sliding, the way on may lead
-  // uphill for a while (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23(4), 1986). Keeps
-  // the best that it reached so far.
-  bool Restart(Island* island, int attempt) {
-    if (!Failed(*island)) return false;
-    if (attempt == 1 || island->merit < island->best_merit) {
+  // Goes to the best velocities that a search has ended with so far.
+  void KeepBest(Island* island) {
+    if (island->best.empty() || island->merit < island->best_merit) {
       island->best = v_;
       island->best_merit = island->merit;
     }
-    const double other = island->from_last ? 1 : 0;
-    const struct {
-      double free, before;
-    } parts[] = {{}, {other, 1 - other}, {0, 0}, {0.5, 0.5}};
-    static_assert(std::size(parts) == kStepStarts);
-    ForEachDof(*island, [&](int dof) {
-      v_[dof] =
-          parts[attempt].free * problem_.v_free[dof] + parts[attempt].before * problem_.v0[dof];
-    });
+    ForEachDof(*island, [&](int dof) { v_[dof] = island->best[dof]; });
+  }
+
+  // To the end of a path that starts at this share of the velocities without contact, if it has
+  // one.
+  void Lead(Island* island, double start) {
+    KeepBest(island);
+    std::vector<double> v = v_;
+    ForEachDof(*island, [&](int dof) { v[dof] = start * problem_.v_free[dof]; });
+    StepPath path(&equations_, island->joined);
+    const bool arrived = path.Follow(v);
+    solution_.evaluations += path.evaluations();
+    if (!arrived) return;
+    v_ = v;
     island->phase = Phase::kSearching;
     island->status = StepStatus::kConverged;
     island->symmetric = island->stuck = false;
-    island->patient = true;
-    island->passed.clear();
-    return true;
   }
 
   // Bodies that fly at each other are deep in each other at the end of a step, where forces no
@@ -255,7 +249,7 @@ class StepSolver::Search {
   void FindDirection(Island* island) {
     BlockMatrix& matrix = island->matrix;
     equations_.Assemble(island->joined, trial_,
-                        island->symmetric ? Symmetry::kKept : Symmetry::kNone, &matrix);
+                        island->symmetric ? Symmetry::kKept : Symmetry::kNone, 1, &matrix);
     // Blocks stand in the order of the trees, as the island's velocities do.
     std::vector<double> x;
     ForEachDof(*island, [&](int dof) { x.push_back(-equations_.residual()[dof]); });
@@ -295,11 +289,7 @@ class StepSolver::Search {
   // Whether the island's trial ends its line search.
   bool Judge(Island* island) {
     const double merit = equations_.SetResidual(island->joined, trial_);
-    double bound = island->merit;
-    for (const double passed : island->passed) bound = std::max(bound, passed);
-    if (island->length > 0 && merit <= (1 - 2 * kStepDecrease * island->length) * bound) {
-      if (island->patient) island->passed.push_back(island->merit);
-      if (island->passed.size() > kStepPatience) island->passed.pop_front();
+    if (island->length > 0 && merit <= (1 - 2 * kStepDecrease * island->length) * island->merit) {
       island->merit = merit;
       island->symmetric = false;
       ForEachDof(*island, [&](int dof) { v_[dof] = trial_[dof]; });
