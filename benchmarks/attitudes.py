@@ -53,6 +53,14 @@ def _near(
             return X_AB, towards_A
 
 
+def translated_at_random(X_AB: Pose, size: float, rng: np.random.Generator) -> Pose:
+    """Return a pose some way off, between a ten-thousandth of the size [m] and all of it."""
+    way = rng.normal(size=3)
+    X_end = X_AB.copy()
+    X_end[:3, 3] += size * 10.0 ** rng.uniform(-4.0, 0.0) * way / np.linalg.norm(way)
+    return X_end
+
+
 def parts_in_folder(folder: Path) -> Iterator[tuple[str, Surface]]:
     """Read all mesh files of a folder, in the order of their names; say which cannot be used."""
     for path in sorted(folder.iterdir()):

@@ -1,4 +1,4 @@
-"""Witness pairs and distances of parts that nobody made for this engine, in any attitude.
+"""Witness pairs, distances and sweeps of parts that nobody made for this engine, in any attitude.
 
 Why: a generated part is as regular as its generator, and measured where features line up. Here are
 parts as a CAD kernel tessellates them, with fans and slivers, and noisy surfaces as scanners leave
@@ -14,12 +14,13 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.attitudes import each_with_itself_and_the_next
+from benchmarks.attitudes import each_with_itself_and_the_next, translated_at_random
 from benchmarks.harness import Row, Stopwatch
 from benchmarks.mesh_pairs import MeshPair
+from benchmarks.translation_sweep import TARGET as SWEEP_TARGET
 from benchmarks.witness_coherent import closed_path, follow
 from benchmarks.yardsticks import Coal, Fcl
-from contact_toolkit import WitnessCache, distance, witness_pairs
+from contact_toolkit import WitnessCache, distance, swept_distance, witness_pairs
 from scenarios.parts import Surface, bumpy_sphere
 
 _MANY_ROWS = 1000
@@ -45,7 +46,8 @@ def scan(frequency: int, seed: int = 5) -> Surface:
 
 
 def measure_pairs(watch: Stopwatch, pairs: Iterable[MeshPair]) -> Iterator[Row]:
-    """Compare witness pairs, cold and coherent, and distances of each pair in each attitude."""
+    """Compare witness pairs, cold and coherent, distances and sweeps in each attitude."""
+    rng = np.random.default_rng(7)
     for pair in pairs:
         A, B = pair.meshes()
         coal, fcl = Coal(pair.A, pair.B), Fcl(pair.A, pair.B)
@@ -85,3 +87,12 @@ def measure_pairs(watch: Stopwatch, pairs: Iterable[MeshPair]) -> Iterator[Row]:
             )
             worth_timing = closest.yardstick_seconds > _WORTH_TIMING
             yield replace(closest, target=_DISTANCE_TARGET if worth_timing else 1.0)
+            X_end = translated_at_random(X_AB, min(A.diagonal, B.diagonal), rng)
+            yield watch.row(
+                "real parts, translation sweep",
+                case,
+                partial(swept_distance, A, B, X_AB, X_end),
+                {"distance": partial(distance, A, B, X_AB)},
+                target=SWEEP_TARGET,
+                size=pair.facets,
+            )

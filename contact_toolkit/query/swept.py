@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,36 +40,76 @@ class ImpactStatus(IntEnum):
     """Not as close before `time`; the search gave up there. Treat it as an impact."""
 
 
-@dataclass(frozen=True)
 class SweptDistance:
     """The least distance of two shapes over a motion.
 
-    Attributes
-    ----------
-    distance
-        [m]; the shapes are certainly never closer, up to rounding. Infinite when they stay beyond
-        the upper bound asked for, and then no other field means anything.
-    error
-        [m]; the truth lies between `distance` and `distance + error`. Zero in a pure translation,
-        else at most the tolerance if `converged`.
-    time
-        Fraction of the motion at which the shapes come within `distance + error`.
-    p_ACa, p_ACb
-        (3,) points of A and B that far apart then, in A [m].
-    facet_a, facet_b
-        The facets, or the pieces, they lie on.
-    converged
-        False if an iteration limit left `error` above the tolerance.
+    Arrays are made whenever one is asked for.
     """
 
-    distance: float
-    error: float
-    time: float
-    p_ACa: Floats
-    p_ACb: Floats
-    facet_a: int
-    facet_b: int
-    converged: bool
+    __slots__ = ("_found",)
+
+    def __init__(self, found: _core.SweptDistance) -> None:
+        self._found = found
+
+    def __reduce__(self) -> tuple[type[SweptDistance], tuple[SimpleNamespace]]:
+        fields = {name: getattr(self, name) for name in _DISTANCE_FIELDS}
+        return SweptDistance, (SimpleNamespace(**fields),)
+
+    def __repr__(self) -> str:
+        fields = (f"{name}={getattr(self, name)!r}" for name in _DISTANCE_FIELDS)
+        return f"SweptDistance({', '.join(fields)})"
+
+    @property
+    def distance(self) -> float:
+        """[m]; the shapes are certainly never closer, up to rounding.
+
+        Infinite when they stay beyond the upper bound asked for: no other field then means
+        anything.
+        """
+        return self._found.distance
+
+    @property
+    def error(self) -> float:
+        """[m]; the truth lies between `distance` and `distance + error`.
+
+        Zero in a pure translation, else at most the tolerance if `converged`.
+        """
+        return self._found.error
+
+    @property
+    def time(self) -> float:
+        """Fraction of the motion at which the shapes come within `distance + error`."""
+        return self._found.time
+
+    @property
+    def p_ACa(self) -> Floats:
+        """(3,) point of A that far from B's then, in A [m]."""
+        return self._found.p_ACa
+
+    @property
+    def p_ACb(self) -> Floats:
+        """(3,) point of B that far from A's then, in A [m]."""
+        return self._found.p_ACb
+
+    @property
+    def facet_a(self) -> int:
+        """The facet, or the piece, of A."""
+        return self._found.facet_a
+
+    @property
+    def facet_b(self) -> int:
+        """The facet, or the piece, of B."""
+        return self._found.facet_b
+
+    @property
+    def converged(self) -> bool:
+        """False if an iteration limit left `error` above the tolerance."""
+        return self._found.converged
+
+
+_DISTANCE_FIELDS = [
+    name for name, value in vars(SweptDistance).items() if isinstance(value, property)
+]
 
 
 @dataclass(frozen=True)
@@ -146,15 +187,16 @@ def swept_distance(
     (0.02, 0.0)
     """
     start, end = as_pose(X_AB_start, "X_AB_start"), as_pose(X_AB_end, "X_AB_end")
-    found = _core.swept_distance(
-        core_of(A, "A"),
-        core_of(B, "B"),
-        start,
-        end,
-        as_tolerance(tolerance, A, B),
-        as_upper_bound(upper_bound),
+    return SweptDistance(
+        _core.swept_distance(
+            core_of(A, "A"),
+            core_of(B, "B"),
+            start,
+            end,
+            as_tolerance(tolerance, A, B),
+            as_upper_bound(upper_bound),
+        )
     )
-    return SweptDistance(**found)
 
 
 def swept_intersects(

@@ -29,7 +29,7 @@ def test_benchmark_measures_something(name):
     rows = list(BENCHMARKS[name].measure(Stopwatch(runs=1), coarser=6))
     assert rows
     assert all(math.isfinite(row.ratio) and row.ratio > 0 for row in rows)
-    assert len({row.case for row in rows}) == len(rows)
+    assert len({(row.benchmark, row.case) for row in rows}) == len(rows)
 
 
 @pytest.mark.parametrize("pair", all_pairs(coarser=6), ids=lambda pair: pair.name)

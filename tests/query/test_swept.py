@@ -4,14 +4,15 @@ Translations are judged by the prisms that facets sweep, in extended precision; 
 sampling of the static query, which can only prove a lower bound too high.
 """
 
+import pickle
+
 import mesh_shapes
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle_brute_force import triangle_distances
+from oracle_prisms import swept_by_prisms
 from poses import pose, random_pose, random_rotation
-from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation, Slerp
 
 from contact_toolkit import (
@@ -57,48 +58,6 @@ def _random_motion(rng, *, turn, way=1.5):
     return X0, X1
 
 
-def _swept_by_prisms(A, B, X0, X1):
-    """Least distance of A's facets from the prisms that B's facets sweep."""
-    S = A.vertices[A.faces]
-    start = B.vertices[B.faces] @ X0[:3, :3].T + X0[:3, 3]
-    way = X1[:3, 3] - X0[:3, 3]
-    end = start + way
-    sides = [start, end]
-    for i in range(3):
-        k = (i + 1) % 3
-        sides.append(np.stack([start[:, i], start[:, k], end[:, k]], axis=1))
-        sides.append(np.stack([start[:, i], end[:, k], end[:, i]], axis=1))
-    if _any_inside(S[:, 0], start, way):
-        return 0.0
-    a, b = _near(S, np.concatenate([start, end], axis=1))
-    return float(min(triangle_distances(S[a], side[b])[0].min() for side in sides))
-
-
-def _near(S, P):
-    """Indices of the point sets S (m,3,3) and P (n,6,3) that may be closest, by their spheres."""
-    centres = [points.mean(axis=1) for points in (S, P)]
-    radii = [
-        np.linalg.norm(points - centre[:, None], axis=2).max(axis=1)
-        for points, centre in zip((S, P), centres, strict=True)
-    ]
-    apart = np.linalg.norm(centres[0][:, None] - centres[1][None], axis=2)
-    reach = radii[0][:, None] + radii[1][None]
-    least = cdist(S.reshape(-1, 3), P.reshape(-1, 3)).min()
-    return np.nonzero(apart - reach <= least * (1 + 1e-9))
-
-
-def _any_inside(points, start, way):
-    """Whether a point lies in a prism, away from its walls."""
-    a, b, c = (start[None, :, k] for k in range(3))
-    p = points[:, None]
-    volume = np.cross(b - a, c - a) @ way
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u = np.cross(p - a, c - a) @ way / volume
-        v = np.cross(b - a, p - a) @ way / volume
-        s = np.einsum("mni,mni->mn", np.cross(b - a, c - a), p - a) / volume
-    return bool(((u > 0) & (v > 0) & (u + v < 1) & (s > 0) & (s < 1)).any())
-
-
 @settings(max_examples=25)
 @given(names, names, rngs)
 def test_translation_is_exact(name_a, name_b, rng):
@@ -106,7 +65,7 @@ def test_translation_is_exact(name_a, name_b, rng):
     A, B = _MESHES[name_a], _MESHES[name_b]
     X0, X1 = _random_motion(rng, turn=0)
     found = swept_distance(A, B, X0, X1)
-    truth = _swept_by_prisms(A, B, X0, X1)
+    truth = swept_by_prisms(A, B, X0, X1)
     assert found.error == 0
     assert found.converged
     assert abs(found.distance - truth) < 1e-13
@@ -123,7 +82,7 @@ def test_no_pair_of_facets_is_overlooked(name_a, name_b):
     for seed in range(10):
         X0, X1 = _random_motion(np.random.default_rng(seed), turn=0)
         found = swept_distance(A, B, X0, X1).distance
-        assert abs(found - _swept_by_prisms(A, B, X0, X1)) < 1e-13
+        assert abs(found - swept_by_prisms(A, B, X0, X1)) < 1e-13
 
 
 @given(names, names, rngs, st.sampled_from([1e-3, 0.3, 1.5]))
@@ -261,6 +220,14 @@ def test_grazing_rotation_ends():
         assert nearest.error <= 1e-6
 
 
+def test_answers_are_pickled():
+    """An answer that is lost on its way from another process."""
+    found = swept_distance(_MESHES["cube"], _MESHES["sheet"], pose(p=(0, 0, 2)), pose(p=(1, 0, 1)))
+    again = pickle.loads(pickle.dumps(found))
+    assert repr(again) == repr(found)
+    assert again.distance == found.distance > 0
+
+
 def test_upper_bound():
     """An answer below the bound changed by it, or one above it invented."""
     A, B = _MESHES["doughnut"], _MESHES["cone"]
@@ -293,6 +260,21 @@ def test_scale_and_offset(scale, offset):
     high = pose(p=(-1.5 * scale, 0, scale)), pose(p=(1.5 * scale, 0, scale))
     top = swept_distance(A, B, *high).distance
     assert top == pytest.approx(scale * (0.85 - 0.2 * np.sin(np.pi / 3)), abs=rounding)
+
+
+@pytest.mark.parametrize("far", [0.0, 1e6])
+def test_facets_are_pieces(far):
+    """Pieces culled by what is known of facets only, or all of them measured far away."""
+    meshes = [_MESHES[name] for name in ("doughnut", "soup")]
+    pieces = [ConvexPieces(list(mesh.vertices[mesh.faces])) for mesh in meshes]
+    for seed in range(20):
+        X0, X1 = _random_motion(np.random.default_rng(seed), turn=0)
+        X0[0, 3] += far
+        X1[0, 3] += far
+        of_facets = swept_distance(*meshes, X0, X1)
+        of_pieces = swept_distance(*pieces, X0, X1)
+        assert of_pieces.distance == pytest.approx(of_facets.distance, abs=1e-13 + 1e-15 * far)
+        assert of_pieces.converged
 
 
 @pytest.mark.parametrize("far", [1e3, 1e6])

@@ -4,9 +4,12 @@ Every query must find what a test of all facets against all finds, whatever its 
 planes that are thin, of slabs and of boxes.
 """
 
+from itertools import islice
+
 import mesh_shapes
 import numpy as np
 import pytest
+from oracle_prisms import swept_by_prisms
 from scipy.spatial.transform import Rotation
 
 from contact_toolkit import (
@@ -45,6 +48,8 @@ def fan_cylinder(sections, radius, height, chamfer):
 SHAPES = {
     "coin": fan_cylinder(60, 1.0, 0.1, 1e-4),
     "rod": fan_cylinder(40, 0.1, 2.0, 1e-3),
+    "disc": fan_cylinder(14, 1.0, 0.1, 1e-2),
+    "stick": fan_cylinder(10, 0.1, 2.0, 1e-2),
     "doughnut": mesh_shapes.doughnut(24, 16),
 }
 
@@ -87,6 +92,18 @@ def test_queries_find_what_brute_force_finds(a, b, offset):
         found = np.full_like(expected, np.inf)
         found[rows.facet_a, rows.facet_b] = rows.distance
         np.testing.assert_array_equal(found, np.where(expected <= 0.05, expected, np.inf))
+
+
+@pytest.mark.parametrize("way", [1e-3, 0.3])
+def test_translations_of_fans(way):
+    # Many facets share the closest vertex or edge: of these ties none is the answer by itself.
+    rng = np.random.default_rng(3)
+    for A, B, X_AB in islice(meetings("disc", "stick", 0.0), 6):
+        X_end = X_AB.copy()
+        X_end[:3, 3] += way * rng.standard_normal(3)
+        swept = swept_distance(A, B, X_AB, X_end)
+        assert swept.converged
+        assert abs(swept.distance - swept_by_prisms(A, B, X_AB, X_end)) < 1e-13
 
 
 def test_a_turn_is_no_closer_than_its_poses():

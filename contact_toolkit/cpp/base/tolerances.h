@@ -23,6 +23,11 @@ inline constexpr double kPoseTolerance = 1e-6;
 // roundings of 6e-8 each. Too small and pairs are missed.
 inline constexpr double kCullingSlack = 2e-6;
 
+// [-] ... and of bounds and limits themselves: their own roundings, 3e-7, and what a rotation that
+// is right to kPoseTolerance only does to lengths. Far away it decides how many facets seem as
+// close as the closest.
+inline constexpr float kBoundRounding = 4e-6f;
+
 // [-] A facet is thin when |n|² < kThinFacet · (longest edge)⁴, n the cross product of two edges:
 // below it the plane through the facet is less accurate than 1e-12. The careful kernel takes over,
 // and what it finds counts when planes prove it to the fraction kProven of (longest edge +
@@ -145,8 +150,6 @@ inline constexpr double kCoarse = 0.1;
 // fraction of itself or, as far away it hardly changes with the direction, of the smaller body's
 // size.
 inline constexpr double kStaleAim = 0.01;
-// ... and longer in a sweep, where the direction changes with the time of the closest pair.
-inline constexpr double kStaleSweptAim = 0.08;
 // [-] No slice is shorter than this fraction of the motion.
 inline constexpr double kShortestSlice = 1e-9;
 

@@ -130,25 +130,12 @@ Array<bool> SweptIntersectionsOf(nb::handle A, nb::handle B, PosesIn start, Pose
   }));
 }
 
-nb::dict SweptDistanceOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, double tolerance,
-                         double upper_bound) {
+SweptDistance SweptDistanceOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end,
+                              double tolerance, double upper_bound) {
   const ConvexLeaves a = LeavesOf(A), b = LeavesOf(B);
   const Motion motion(Pose::FromMatrix(start.data()), Pose::FromMatrix(end.data()));
-  SweptDistance answer;
-  {
-    const nb::gil_scoped_release release;
-    answer = FindSweptDistance(a, b, motion, tolerance, upper_bound);
-  }
-  nb::dict fields;
-  fields["distance"] = answer.lower_bound;
-  fields["error"] = ErrorOf(answer);
-  fields["time"] = answer.time;
-  fields["p_ACa"] = ToNumpy(answer.p_ACa);
-  fields["p_ACb"] = ToNumpy(answer.p_ACb);
-  fields["facet_a"] = answer.facet_a;
-  fields["facet_b"] = answer.facet_b;
-  fields["converged"] = answer.converged;
-  return fields;
+  const nb::gil_scoped_release release;
+  return FindSweptDistance(a, b, motion, tolerance, upper_bound);
 }
 
 nb::dict TimeOfImpactOf(nb::handle A, nb::handle B, PoseIn start, PoseIn end, double separation,
@@ -189,6 +176,16 @@ void BindSwept(nb::module_& m) {
              end = nb::arg("X_AB_end").noconvert(), bounds = nb::arg("upper_bound").noconvert();
   m.def("distances", &DistancesOf, A, B, pose, bounds, threads);
   m.def("intersections", &IntersectionsOf, A, B, pose, threads);
+  // Arrays are made when asked for: making all takes longer than many a query.
+  nb::class_<SweptDistance>(m, "SweptDistance")
+      .def_ro("distance", &SweptDistance::lower_bound)
+      .def_prop_ro("error", &ErrorOf)
+      .def_ro("time", &SweptDistance::time)
+      .def_prop_ro("p_ACa", [](const SweptDistance& found) { return ToNumpy(found.p_ACa); })
+      .def_prop_ro("p_ACb", [](const SweptDistance& found) { return ToNumpy(found.p_ACb); })
+      .def_ro("facet_a", &SweptDistance::facet_a)
+      .def_ro("facet_b", &SweptDistance::facet_b)
+      .def_ro("converged", &SweptDistance::converged);
   m.def("swept_distance", &SweptDistanceOf, A, B, start, end, tolerance, bound);
   m.def("swept_distances", &SweptDistancesOf, A, B, start, end, tolerance, bounds, threads);
   m.def("swept_intersects", &SweptIntersectsOf, A, B, start, end, tolerance);

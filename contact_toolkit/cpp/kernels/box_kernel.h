@@ -2,14 +2,14 @@
 // by one source file per instruction set, inside an unnamed namespace.
 #pragma once
 
+#include "base/tolerances.h"
+#include "kernels/facet_cull.h"
 #include "kernels/kernels.h"
 #include "kernels/lanes.h"
-#include "kernels/separation.h"
+#include "kernels/slabs.h"
 
 namespace contact_toolkit {
 namespace {
-
-CT_INLINE std::uint64_t LanesUsed(int count) { return (std::uint64_t{1} << count) - 1; }
 
 // The boxes of b in A: centres, and half extents of the boxes around the turned boxes.
 struct PosedBoxes {
@@ -43,45 +43,9 @@ struct PosedBoxes {
   }
 };
 
-// The slabs of a and of b against the boxes of the other.
-struct PosedSlabs {
-  Float8 reach_b[3];                         // |normals of a| along the axes of B
-  alignas(32) float normal[3][8], place[8];  // of b's slabs in A
-
-  CT_INLINE PosedSlabs(const BvhNode& a, const BvhNode& b, const CullPose& X) {
-    Float8 at = Load8(b.middle);
-    for (int i = 0; i < 3; ++i) {
-      Float8 n{}, turned{};
-      for (int k = 0; k < 3; ++k) {
-        n = n + X.R[i][k] * Load8(b.normal[k]);
-        turned = turned + X.R[k][i] * Load8(a.normal[k]);
-      }
-      Store8(normal[i], n);
-      reach_b[i] = Absolute(turned);
-      at = at + X.p[i] * n;
-    }
-    Store8(place, at);
-  }
-
-  // How far, at least, the children of a are from child j of b.
-  CT_INLINE Float8 Gaps(const BvhNode& a, const BvhNode& b, const PosedBoxes& boxes, int j,
-                        float slack) const {
-    Float8 from_a = -Load8(a.middle), reach_a = Load8(a.thick);
-    Float8 from_b = Fill8(-place[j]), reach_of_b = Fill8(b.thick[j]);
-    for (int i = 0; i < 3; ++i) {
-      from_a = from_a + Load8(a.normal[i]) * boxes.center[i][j];
-      reach_a = reach_a + reach_b[i] * b.half[i][j];
-      const float n = normal[i][j];
-      from_b = from_b + n * Load8(a.center[i]);
-      reach_of_b = reach_of_b + (n < 0 ? -n : n) * Load8(a.half[i]);
-    }
-    return Most(Absolute(from_a) - reach_a, Absolute(from_b) - reach_of_b) - slack;
-  }
-};
-
 std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float reach) {
   std::uint64_t pairs = 0;
-  const Float8 most = Fill8(reach * reach * 1.0001f);
+  const Float8 most = Fill8(reach * reach * (1 + kBoundRounding));
   const PosedBoxes boxes(b, X_AB);
   for (int j = 0; j < b.count; ++j) {
     Float8 offset[3];
@@ -90,24 +54,25 @@ std::uint64_t BoxPairs(const BvhNode& a, const BvhNode& b, const CullPose& X_AB,
   }
   // Facets will be compared along their normals anyway.
   if (pairs == 0 || (a.bottom() && b.bottom())) return pairs;
-  const PosedSlabs slabs(a, b, X_AB);
-  const Float8 limit = Fill8(reach * 1.0001f);
+  const PosedSlabs slabs(a, b, X_AB.R, X_AB.p);
+  const Float8 limit = Fill8(reach * (1 + kBoundRounding));
   std::uint64_t near = 0;
   for (int j = 0; j < b.count; ++j) {
     if ((pairs >> (8 * j) & 0xff) == 0) continue;
-    near |= Bits(slabs.Gaps(a, b, boxes, j, X_AB.slack) <= limit) << (8 * j);
+    near |= Bits(slabs.Gaps(a, b, boxes.center, j, X_AB.slack) <= limit) << (8 * j);
   }
   return pairs & near;
 }
 
 // Calls visit(j, squared lower bounds, offsets of the middles) for each child j of b. Slabs are
 // looked at where boxes are within the squared limit, and no farther away than they are large:
-// beyond, they tell nothing new.
+// beyond, they tell nothing new. Returns the bits (8 j + k) of those within the limit.
 template <class Visit>
-CT_INLINE void ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X, float limit,
-                         Visit visit) {
+CT_INLINE std::uint64_t ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X,
+                                  float limit, Visit visit) {
   const PosedBoxes boxes(b, X);
-  const PosedSlabs slabs(a, b, X);
+  const PosedSlabs slabs(a, b, X.R, X.p);
+  std::uint64_t near = 0;
   for (int j = 0; j < b.count; ++j) {
     Float8 offset[3];
     boxes.Offsets(a, j, offset);
@@ -115,22 +80,26 @@ CT_INLINE void ForBounds(const BvhNode& a, const BvhNode& b, const CullPose& X, 
     const float size = boxes.half[0][j] + boxes.half[1][j] + boxes.half[2][j];
     const float close = Least(limit, size * size);
     if ((Bits(squared <= Fill8(close)) & LanesUsed(a.count)) != 0) {
-      const Float8 gap = Most(slabs.Gaps(a, b, boxes, j, X.slack), Float8{});
+      const Float8 gap = Most(slabs.Gaps(a, b, boxes.center, j, X.slack), Float8{});
       squared = Most(gap * gap, squared);
     }
-    visit(j, squared * 0.9999f, offset);
+    squared = squared * (1 - kBoundRounding);
+    near |= (Bits(squared <= Fill8(limit)) & LanesUsed(a.count)) << (8 * j);
+    visit(j, squared, offset);
   }
+  return near;
 }
 
-void BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
-               float bound[64]) {
-  ForBounds(a, b, X_AB, limit,
-            [&](int j, Float8 squared, const Float8(&)[3]) { Store8(bound + 8 * j, squared); });
+std::uint64_t BoxBounds(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
+                        float bound[64]) {
+  return ForBounds(a, b, X_AB, limit, [&](int j, Float8 squared, const Float8(&)[3]) {
+    Store8(bound + 8 * j, squared);
+  });
 }
 
-void BoxOrders(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit, float middles,
-               float bound[64], float order[64]) {
-  ForBounds(a, b, X_AB, limit, [&](int j, Float8 squared, const Float8(&offset)[3]) {
+std::uint64_t BoxOrders(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
+                        float middles, float bound[64], float order[64]) {
+  return ForBounds(a, b, X_AB, limit, [&](int j, Float8 squared, const Float8(&offset)[3]) {
     const Float8 apart = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
     Store8(bound + 8 * j, squared);
     Store8(order + 8 * j, squared + middles * apart);
@@ -139,53 +108,7 @@ void BoxOrders(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float l
 
 std::uint64_t CullByAxes(const FacetBlock& a, const FacetBlock& b, const CullPose& X, float reach,
                          std::uint64_t pairs) {
-  const float limit = reach * 1.0001f + X.slack;
-  alignas(32) float corner[3][3][8], normal[3][8], offset[8];
-  for (int c = 0; c < 3; ++c) {
-    for (int i = 0; i < 3; ++i) {
-      Float8 v = Fill8(X.p[i]);
-      for (int k = 0; k < 3; ++k) v = v + X.R[i][k] * Load8(b.vertex[c][k]);
-      Store8(corner[c][i], v);
-    }
-  }
-  Float8 shift{};
-  for (int i = 0; i < 3; ++i) {
-    Float8 n{};
-    for (int k = 0; k < 3; ++k) n = n + X.R[i][k] * Load8(b.normal[k]);
-    Store8(normal[i], n);
-    shift = shift + n * Load8(corner[0][i]);
-  }
-  Store8(offset, shift);
-
-  std::uint64_t kept = 0;
-  for (int j = 0; j < 8; ++j) {
-    if ((pairs >> (8 * j) & 0xff) == 0) continue;
-    Float8 low_b{}, high_b{}, low_a{}, high_a{};
-    for (int c = 0; c < 3; ++c) {
-      // Corner c of the facets of a over facet j's plane, and corner c of facet j over theirs.
-      Float8 over_b = Fill8(-offset[j]), over_a = -Load8(a.offset);
-      for (int i = 0; i < 3; ++i) {
-        over_b = over_b + normal[i][j] * Load8(a.vertex[c][i]);
-        over_a = over_a + corner[c][i][j] * Load8(a.normal[i]);
-      }
-      low_b = c == 0 ? over_b : Least(low_b, over_b);
-      high_b = c == 0 ? over_b : Most(high_b, over_b);
-      low_a = c == 0 ? over_a : Least(low_a, over_a);
-      high_a = c == 0 ? over_a : Most(high_a, over_a);
-    }
-    const Float8 gap = Most(Most(low_b, -high_b), Most(low_a, -high_a));
-    std::uint64_t row = Bits(gap <= Fill8(limit)) & (pairs >> (8 * j) & 0xff);
-    if (row != 0) {
-      Triangle<Float8> ta, tb;
-      for (int c = 0; c < 3; ++c) {
-        ta.corner[c] = {Load8(a.vertex[c][0]), Load8(a.vertex[c][1]), Load8(a.vertex[c][2])};
-        tb.corner[c] = {Fill8(corner[c][0][j]), Fill8(corner[c][1][j]), Fill8(corner[c][2][j])};
-      }
-      row &= Bits(MayBeNear(ta, tb, Fill8(limit)));
-    }
-    kept |= row << (8 * j);
-  }
-  return pairs & kept;
+  return CullFacets<false>(a, b, X.R, X.p, {}, {}, reach * (1 + kBoundRounding) + X.slack, pairs);
 }
 
 }  // namespace

@@ -96,15 +96,15 @@ struct Kernels {
   // Bit 8 j + k is set when child k of a and child j of b may be closer than reach [m].
   std::uint64_t (*box_pairs)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float reach);
 
-  // The same test, leaving lower bounds of the squared distances in bound[8 j + k]. Less is done
-  // for bounds that exceed the squared `limit`.
-  void (*box_bounds)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
-                     float bound[64]);
+  // The same test for a squared `limit`, leaving lower bounds of the squared distances in
+  // bound[8 j + k]. Less is done for bounds that exceed it.
+  std::uint64_t (*box_bounds)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
+                              float bound[64]);
 
   // And in order[8 j + k] numbers in whose order to look at the pairs: these bounds and, as many
   // are zero where boxes overlap, the boxes' middles' squared distance times `middles`.
-  void (*box_orders)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
-                     float middles, float bound[64], float order[64]);
+  std::uint64_t (*box_orders)(const BvhNode& a, const BvhNode& b, const CullPose& X_AB, float limit,
+                              float middles, float bound[64], float order[64]);
 
   // Lower bounds of the squared distances of a point from the boxes of a node's children; a bit is
   // set for those up to `limit` ...

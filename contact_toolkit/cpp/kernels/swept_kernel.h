@@ -2,8 +2,11 @@
 // instruction set, inside an unnamed namespace.
 #pragma once
 
+#include "base/tolerances.h"
+#include "kernels/facet_cull.h"
 #include "kernels/lanes.h"
 #include "kernels/separation.h"
+#include "kernels/slabs.h"
 #include "kernels/swept_kernels.h"
 
 namespace contact_toolkit {
@@ -59,29 +62,39 @@ CT_INLINE void Turn(const Float8 (&c)[3], const Float8 (&h)[3], int count, const
   }
 }
 
-float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float squared_reach,
-                     float bound[64], std::uint64_t* near) {
-  const std::uint64_t used = (std::uint64_t{1} << a.count) - 1;
-  *near = 0;
-  const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
-  const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
+// The children of b against those of a over the slice.
+struct SweptNodes {
+  const BvhNode &a, &b;
+  const SweptCull& cull;
   SweptBoxes boxes;
-  if (cull.turn > 0) {
-    Turn(c, h, b.count, cull, &boxes);
-  } else {
-    Translate(c, h, cull, &boxes);
-  }
   Float8 across_a[3];
   alignas(32) float across_b[3][8];
-  for (int n = 0; n < cull.across_count; ++n) {
-    const Float8 half_a[3]{Load8(a.half[0]), Load8(a.half[1]), Load8(a.half[2])};
-    across_a[n] = Row(cull.abs_across_A[n], half_a);
-    Store8(across_b[n], Row(cull.abs_across_B[n], h) + cull.slack);
+
+  CT_INLINE SweptNodes(const BvhNode& a, const BvhNode& b, const SweptCull& cull)
+      : a(a), b(b), cull(cull) {
+    const Float8 c[3]{Load8(b.center[0]), Load8(b.center[1]), Load8(b.center[2])};
+    const Float8 h[3]{Load8(b.half[0]), Load8(b.half[1]), Load8(b.half[2])};
+    if (cull.turn > 0) {
+      Turn(c, h, b.count, cull, &boxes);
+    } else {
+      Translate(c, h, cull, &boxes);
+    }
+    for (int n = 0; n < cull.across_count; ++n) {
+      const Float8 half_a[3]{Load8(a.half[0]), Load8(a.half[1]), Load8(a.half[2])};
+      across_a[n] = Row(cull.abs_across_A[n], half_a);
+      Store8(across_b[n], Row(cull.abs_across_B[n], h) + cull.slack);
+    }
   }
-  for (int j = 0; j < b.count; ++j) {
-    Float8 offset[3], squared{};
+
+  // From the box of child j to those of a, middle to middle.
+  CT_INLINE void Offsets(int j, Float8 (&offset)[3]) const {
+    for (int i = 0; i < 3; ++i) offset[i] = Load8(a.center[i]) - boxes.center[i][j];
+  }
+
+  // Lower bounds of the squared distances of child j.
+  CT_INLINE Float8 Squared(int j, const Float8 (&offset)[3]) const {
+    Float8 squared{};
     for (int i = 0; i < 3; ++i) {
-      offset[i] = Load8(a.center[i]) - boxes.center[i][j];
       Float8 gap = Absolute(offset[i]) - Load8(a.half[i]) - boxes.half[i][j];
       gap = Most(gap, Float8{});
       squared = squared + gap * gap;
@@ -91,11 +104,87 @@ float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, 
       const Float8 gap = Most(along - across_a[n] - across_b[n][j], Float8{});
       squared = Most(squared, gap * gap);
     }
-    squared = squared * 0.9999f;
-    Store8(bound + 8 * j, squared);
-    *near |= (Bits(squared <= Fill8(squared_reach)) & used) << (8 * j);
+    return squared;
   }
-  return boxes.furthest;
+};
+
+float SweptBoxBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull, float squared_reach,
+                     float bound[64], std::uint64_t* near) {
+  const SweptNodes nodes(a, b, cull);
+  *near = 0;
+  for (int j = 0; j < b.count; ++j) {
+    Float8 offset[3];
+    nodes.Offsets(j, offset);
+    const Float8 squared = nodes.Squared(j, offset) * (1 - kBoundRounding);
+    Store8(bound + 8 * j, squared);
+    *near |= (Bits(squared <= Fill8(squared_reach)) & LanesUsed(a.count)) << (8 * j);
+  }
+  return nodes.boxes.furthest;
+}
+
+// Where the boxes of B are half-way through a translation, in A, and half the way.
+struct MiddleOfWay {
+  float p[3], half_way[3];
+
+  CT_INLINE explicit MiddleOfWay(const SweptCull& cull) {
+    for (int i = 0; i < 3; ++i) {
+      p[i] = 0.5f * (cull.p_begin[i] + cull.p_end[i]);
+      half_way[i] = 0.5f * (cull.p_end[i] - cull.p_begin[i]);
+    }
+  }
+};
+
+// Calls visit(j, squared lower bounds, offsets of the middles half-way) for each child j of b.
+template <class Visit>
+CT_INLINE std::uint64_t ForTranslation(const SweptNodes& nodes, const MiddleOfWay& at, float limit,
+                                       Visit visit) {
+  const BvhNode &a = nodes.a, &b = nodes.b;
+  PosedSlabs slabs(a, b, nodes.cull.R, at.p);
+  slabs.Sweep(a, at.half_way);
+  std::uint64_t near = 0;
+  for (int j = 0; j < b.count; ++j) {
+    Float8 offset[3];
+    nodes.Offsets(j, offset);
+    Float8 squared = nodes.Squared(j, offset);
+    float size = 0;
+    for (int i = 0; i < 3; ++i) size += nodes.boxes.half[i][j];
+    if (Bits(squared <= Fill8(Least(limit, size * size))) != 0) {
+      const Float8 gap = Most(slabs.Gaps(a, b, nodes.boxes.center, j, nodes.cull.slack), Float8{});
+      squared = Most(gap * gap, squared);
+    }
+    squared = squared * (1 - kBoundRounding);
+    near |= (Bits(squared <= Fill8(limit)) & LanesUsed(a.count)) << (8 * j);
+    visit(j, squared, offset);
+  }
+  return near;
+}
+
+std::uint64_t TranslationBounds(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
+                                float limit, float bound[64]) {
+  return ForTranslation(
+      SweptNodes(a, b, cull), MiddleOfWay(cull), limit,
+      [&](int j, Float8 squared, const Float8(&)[3]) { Store8(bound + 8 * j, squared); });
+}
+
+std::uint64_t TranslationOrders(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
+                                const float p[3], float limit, float middles, float bound[64],
+                                float order[64]) {
+  const SweptNodes nodes(a, b, cull);
+  const MiddleOfWay at(cull);
+  return ForTranslation(
+      nodes, at, limit, [&](int j, Float8 squared, const Float8(&half_way_offset)[3]) {
+        Float8 posed{}, apart{};
+        for (int i = 0; i < 3; ++i) {
+          const Float8 offset = half_way_offset[i] + (at.p[i] - p[i]);
+          const float stretch = at.half_way[i] < 0 ? -at.half_way[i] : at.half_way[i];
+          const float half = nodes.boxes.half[i][j] - stretch;
+          const Float8 gap = Most(Absolute(offset) - Load8(a.half[i]) - half, Float8{});
+          posed = posed + gap * gap;
+          apart = apart + offset * offset;
+        }
+        Store8(bound + 8 * j, squared);
+        Store8(order + 8 * j, Most(posed, squared) + middles * apart);
+      });
 }
 
 // Least and most of the three corners along the direction (8 lanes of facets).
@@ -109,18 +198,24 @@ struct Span8 {
 
 std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const SweptCull& cull,
                              const float direction[3], float reach, std::uint64_t pairs) {
+  if (cull.turn == 0) {
+    const MiddleOfWay at(cull);
+    const float along[3]{direction[0], direction[1], direction[2]};
+    return CullFacets<true>(a, b, cull.R, at.p, at.half_way, along,
+                            reach * (1 + kBoundRounding) + cull.slack, pairs);
+  }
   // Corners of b at both ends of the slice, and how far they stray in between.
   alignas(32) float corner[6][3][8], stray[8], low_b[8], high_b[8];
   Float8 bow{};
   for (int v = 0; v < 3; ++v) {
     const Float8 c[3]{Load8(b.vertex[v][0]), Load8(b.vertex[v][1]), Load8(b.vertex[v][2])};
-    if (cull.turn > 0) bow = Most(bow, Bow(cull, c));
+    bow = Most(bow, Bow(cull, c));
     for (int i = 0; i < 3; ++i) {
       Store8(corner[v][i], Row(cull.R_begin[i], c) + cull.p_begin[i]);
       Store8(corner[3 + v][i], Row(cull.R_end[i], c) + cull.p_end[i]);
     }
   }
-  Store8(stray, bow + (reach * 1.0001f + cull.slack));
+  Store8(stray, bow + (reach * (1 + kBoundRounding) + cull.slack));
 
   // Along the given direction.
   Span8 spread_a{Fill8(3e38f), Fill8(-3e38f)}, spread_b = spread_a;
@@ -135,36 +230,16 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
   Store8(low_b, spread_b.low);
   Store8(high_b, spread_b.high);
 
-  // Along the normals of b, which only a translation leaves fixed: zero otherwise.
-  alignas(32) float normal[3][8]{}, bottom[8]{}, top[8]{};
-  if (cull.turn == 0) {
-    const Float8 n_B[3]{Load8(b.normal[0]), Load8(b.normal[1]), Load8(b.normal[2])};
-    Float8 begin{}, end{};
-    for (int i = 0; i < 3; ++i) {
-      const Float8 n = Row(cull.R[i], n_B);
-      Store8(normal[i], n);
-      begin = begin + n * Load8(corner[0][i]);
-      end = end + n * Load8(corner[3][i]);
-    }
-    Store8(bottom, Least(begin, end));
-    Store8(top, Most(begin, end));
-  }
-
   std::uint64_t kept = 0;
   for (int j = 0; j < 8; ++j) {
     if ((pairs >> (8 * j) & 0xff) == 0) continue;
-    Span8 over_b{Fill8(3e38f), Fill8(-3e38f)}, over_a = over_b;
-    for (int v = 0; v < 3; ++v) {
-      over_b.Add(normal[0][j] * Load8(a.vertex[v][0]) + normal[1][j] * Load8(a.vertex[v][1]) +
-                 normal[2][j] * Load8(a.vertex[v][2]));
-    }
+    Span8 over_a{Fill8(3e38f), Fill8(-3e38f)};
     for (int v = 0; v < 6; ++v) {
       over_a.Add(corner[v][0][j] * Load8(a.normal[0]) + corner[v][1][j] * Load8(a.normal[1]) +
                  corner[v][2][j] * Load8(a.normal[2]));
     }
     const Float8 offset = Load8(a.offset);
-    Float8 gap = Most(over_b.low - top[j], bottom[j] - over_b.high);
-    gap = Most(gap, Most(over_a.low - offset, offset - over_a.high));
+    Float8 gap = Most(over_a.low - offset, offset - over_a.high);
     gap = Most(gap, Most(spread_a.low - high_b[j], low_b[j] - spread_a.high));
     std::uint64_t row = Bits(gap <= Fill8(stray[j])) & (pairs >> (8 * j) & 0xff);
     if (row != 0) {
@@ -178,11 +253,7 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
         tb.begin.corner[v] = fill(corner[v]);
         tb.end.corner[v] = fill(corner[3 + v]);
       }
-      const Float8 limit = Fill8(stray[j]);
-      row &= Bits(
-          cull.turn == 0
-              ? MayBeNear(ta, Prism<Float8>{tb.begin, tb.end.corner[0] - tb.begin.corner[0]}, limit)
-              : MayBeNear(ta, tb, limit));
+      row &= Bits(MayBeNear(ta, tb, Fill8(stray[j])));
     }
     kept |= row << (8 * j);
   }

@@ -49,8 +49,20 @@ struct SweptKernels {
   float (*box_bounds)(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
                       float squared_reach, float bound[64], std::uint64_t* near);
 
+  // The same for a translation, slabs included where they may tell more: less is done for bounds
+  // that exceed the squared `limit`. Returns the bits of those within it.
+  std::uint64_t (*translation_bounds)(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
+                                      float limit, float bound[64]);
+
+  // And in order[8 j + k] numbers in whose order to look at the pairs: the squared distances of the
+  // boxes, and of their middles times `middles`, when B's boxes' frame is at p in that of A's.
+  std::uint64_t (*translation_orders)(const BvhNode& a, const BvhNode& b, const SweptCull& cull,
+                                      const float p[3], float limit, float middles, float bound[64],
+                                      float order[64]);
+
   // Clears the bits (8 j + k) of facet pairs that stay apart by more than reach [m] over the slice
-  // along a facet's normal or the direction, a unit vector in the frame of A's boxes or zero.
+  // along a facet's normal, about the line of their closest points or the direction, a unit vector
+  // in the frame of A's boxes or zero.
   std::uint64_t (*cull_facets)(const FacetBlock& a, const FacetBlock& b, const SweptCull& cull,
                                const float direction[3], float reach, std::uint64_t pairs);
 

@@ -5,7 +5,8 @@
 namespace contact_toolkit {
 
 const SweptKernels& Avx2SweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<4>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
+                                        SweptFacetCull, CullPrisms<4>};
   return kernels;
 }
 

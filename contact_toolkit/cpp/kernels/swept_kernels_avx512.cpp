@@ -5,7 +5,8 @@
 namespace contact_toolkit {
 
 const SweptKernels& Avx512SweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<8>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
+                                        SweptFacetCull, CullPrisms<8>};
   return kernels;
 }
 

@@ -5,7 +5,8 @@
 namespace contact_toolkit {
 
 const SweptKernels& ScalarSweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<1>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
+                                        SweptFacetCull, CullPrisms<1>};
   return kernels;
 }
 

@@ -5,7 +5,8 @@
 namespace contact_toolkit {
 
 const SweptKernels& VectorSweptKernels() {
-  static constexpr SweptKernels kernels{SweptBoxBounds, SweptFacetCull, CullPrisms<2>};
+  static constexpr SweptKernels kernels{SweptBoxBounds, TranslationBounds, TranslationOrders,
+                                        SweptFacetCull, CullPrisms<2>};
   return kernels;
 }
 

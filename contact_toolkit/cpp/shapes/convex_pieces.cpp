@@ -26,7 +26,9 @@ Bvh BuildOverBoxes(std::span<const Vec3> points, std::span<const std::int32_t> f
     corners.insert(corners.end(), {lower, upper});
     diagonals.push_back({corner, corner + 1, corner});
   }
-  return BuildBvh(corners, diagonals);
+  Bvh bvh = BuildBvh(corners, diagonals);
+  bvh.blocks.clear();  // the diagonals' own say nothing of the pieces
+  return bvh;
 }
 
 }  // namespace

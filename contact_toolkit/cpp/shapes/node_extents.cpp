@@ -31,7 +31,7 @@ float NodeExtents::Least(std::int32_t node) {
 float NodeExtents::LeastBelow(const BvhNode& node, int levels) {
   // Unused lanes repeat a used one, or hold no less.
   alignas(32) float least[kBvhWidth];
-  if (node.bottom()) {
+  if (node.bottom() && !bvh_->blocks.empty()) {
     const FacetBlock& block = bvh_->blocks[node.block];
     for (int k = 0; k < kBvhWidth; ++k) {
       float at[3];
@@ -41,7 +41,7 @@ float NodeExtents::LeastBelow(const BvhNode& node, int levels) {
       }
       least[k] = std::min(std::min(at[0], at[1]), at[2]);
     }
-  } else if (levels > 0) {
+  } else if (levels > 0 && !node.bottom()) {
     std::fill_n(least, kBvhWidth, std::numeric_limits<float>::infinity());
     for (int k = 0; k < node.count; ++k) {
       const BvhNode& child = bvh_->nodes[node.child[k]];

@@ -38,12 +38,6 @@ class ImpactQuery {
     return end_ >= horizon_ / 2 && slice.begin < end_ ? separation_ * separation_ : -1;
   }
   Vec3 direction() const { return direction_; }
-  bool Apart(std::int32_t, std::int32_t) const { return false; }
-  template <typename Bound>
-  void Order(const BvhNode& a, const BvhNode& b, const SweptCull& cull, const Bound* bound,
-             float* order) const {
-    OrderByMiddles(a, b, cull, bound, order);
-  }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i)

@@ -43,12 +43,6 @@ class RotationQuery {
     return reach >= 0 ? reach * reach : -1;
   }
   Vec3 direction() const { return direction_; }
-  bool Apart(std::int32_t, std::int32_t) const { return false; }
-  template <typename Bound>
-  void Order(const BvhNode& a, const BvhNode& b, const SweptCull& cull, const Bound* bound,
-             float* order) const {
-    OrderByMiddles(a, b, cull, bound, order);
-  }
 
   void Visit(const LeafPairs& pairs, const TimeSlice& slice) {
     for (int i = 0; i < pairs.count; ++i) {

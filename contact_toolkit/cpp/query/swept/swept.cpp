@@ -24,7 +24,7 @@ TimeOfImpact FindImpact(const ConvexLeaves& A, const ConvexLeaves& B, const Moti
   ImpactQuery query(A, B, motion, separation, std::max(tolerance, RoundingOf(A, B, motion)),
                     any_time);
   do {
-    SweptSearch(A, B, motion, query.end(), true, &query).Run();
+    SweptSearch(A, B, motion, query.end(), &query).Run();
   } while (query.Restart());
   return query.answer();
 }
@@ -40,8 +40,7 @@ SweptDistance FindSweptDistance(const ConvexLeaves& A, const ConvexLeaves& B, co
   }
   if (!motion.rotates()) {
     TranslationQuery query(A, B, motion, upper_bound);
-    SweptSearch(A, B, motion, 1, false, &query).Run();
-    query.Finish();
+    query.Run();
     return query.Answer();
   }
   RotationQuery query(A, B, motion, std::max(tolerance, RoundingOf(A, B, motion)), upper_bound);
@@ -50,7 +49,7 @@ SweptDistance FindSweptDistance(const ConvexLeaves& A, const ConvexLeaves& B, co
       query.Start(s, FindDistance(*A.mesh(), *B.mesh(), motion.At(s), query.distance()));
     }
   }
-  SweptSearch(A, B, motion, 1, true, &query).Run();
+  SweptSearch(A, B, motion, 1, &query).Run();
   return query.Answer();
 }
 

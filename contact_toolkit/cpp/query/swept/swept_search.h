@@ -58,26 +58,17 @@ void OrderByMiddles(const BvhNode& a, const BvhNode& b, const SweptCull& cull, c
 //   Vec3 direction() const;
 // A unit vector in A that is likely to separate leaves, or zero.
 //
-//   bool Apart(std::int32_t node_a, std::int32_t node_b);
-// Whether two nodes are known to stay out of reach; may always be false.
-//
-//   void Order(const BvhNode& a, const BvhNode& b, const SweptCull&, const Bound* bound,
-//              float* order);
-// Numbers in whose order to open the children of a with those of b, given the squared bounds.
-//
 //   void Visit(const LeafPairs&, const TimeSlice&);
 template <typename Query>
 class SweptSearch {
  public:
-  // The motion is searched up to `end`. split_time: halve slices in which B's boxes travel further
-  // than they are large.
+  // The motion is searched up to `end`.
   SweptSearch(const ConvexLeaves& A, const ConvexLeaves& B, const Motion& motion, double end,
-              bool split_time, Query* query)
+              Query* query)
       : a_(A.bvh()),
         b_(B.bvh()),
         facets_(A.mesh() != nullptr && B.mesh() != nullptr),
         slices_(motion, end),
-        split_time_(split_time),
         query_(*query) {}
 
   void Run() {
@@ -87,7 +78,7 @@ class SweptSearch {
       const Item item = stack_.back();
       stack_.pop_back();
       if (item.squared_bound > query_.squared_reach(slices_[item.slice])) continue;
-      if (!query_.Apart(item.a, item.b)) Open(item);
+      Open(item);
     }
   }
 
@@ -104,7 +95,7 @@ class SweptSearch {
     alignas(32) float bound[kBvhWidth * kBvhWidth];
     std::uint64_t near;
     const float furthest = kernels_.box_bounds(a, b, cull, static_cast<float>(reach), bound, &near);
-    if (split_time_ && IsLong(item, furthest, std::max(LargestHalf(a), LargestHalf(b)))) {
+    if (IsLong(item, furthest, std::max(LargestHalf(a), LargestHalf(b)))) {
       const int first = slices_.Halves(item.slice);
       stack_.push_back({item.squared_bound, item.a, item.b, first + 1});
       stack_.push_back({item.squared_bound, item.a, item.b, first});
@@ -146,7 +137,7 @@ class SweptSearch {
   void Descend(const Item& item, const BvhNode& a, const BvhNode& b, const Bound* bound,
                std::uint64_t near) {
     alignas(32) float order[kBvhWidth * kBvhWidth];
-    query_.Order(a, b, CullOf(item.slice), bound, order);
+    OrderByMiddles(a, b, CullOf(item.slice), bound, order);
     struct Next {
       float order;
       std::int32_t index;  // into items: these are larger, and need not be moved about
@@ -233,7 +224,6 @@ class SweptSearch {
   const Bvh &a_, &b_;
   const bool facets_;
   TimeSlices slices_;
-  const bool split_time_;
   Query& query_;
   const SweptKernels& kernels_ = ActiveSweptKernels();
   std::vector<std::unique_ptr<SweptCull>> culls_;

@@ -2,28 +2,31 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
+#include <utility>
 
-#include "base/scratch.h"
 #include "base/tolerances.h"
+#include "query/witness/nearest_search.h"
 
 namespace contact_toolkit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// [-] Weight of the squared distance of the boxes' middles beside that of the boxes.
-constexpr float kMiddles = 0.03f;
 // [-] A way longer than this many halves of the smaller body passes by rather than sets out.
 constexpr double kPassing = 1;
 // Pairs of facets are culled again once the distance has fallen to this fraction,
 constexpr double kStaleCull = 0.95;
 // ... unless so few are left that measuring them is as cheap.
 constexpr int kFewPairs = 2;
+// Of so few pairs the tangents tell most, and sooner than planes.
+constexpr int kFewToPose = 8;
 
-// Of A (0) and of B (1).
-NodeExtents& Extents(int side) {
-  return Scratch<std::array<NodeExtents, 2>>([] {})[side];
+LineCull LineCullOf(const Bvh& a, const Bvh& b, const Motion& motion) {
+  const Pose start = motion.At(0);
+  const Vec3 begin = start * b.origin - a.origin, end = begin + motion.translation();
+  return {a, b, start.R, begin, end, kTouching * std::max(Norm(begin), Norm(end))};
 }
 
 }  // namespace
@@ -34,10 +37,9 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
       B_(B),
       motion_(motion),
       meshes_(A.mesh() != nullptr && B.mesh() != nullptr),
-      lowest_(kInfinity),
-      stale_below_(kInfinity),
-      extents_a_(Extents(0)),
-      extents_b_(Extents(1)) {
+      cull_(A.bvh(), B.bvh(), motion, TimeSlices(motion, 1)[0]),
+      line_cull_(LineCullOf(A.bvh(), B.bvh(), motion)),
+      lowest_(kInfinity) {
   best_.distance = upper_bound;
   // To begin with, the start; but of a long way, when the bodies' middles are closest.
   const Vec3 from = motion.At(0) * B.bvh().origin - A.bvh().origin, &way = motion.translation();
@@ -47,24 +49,9 @@ TranslationQuery::TranslationQuery(const ConvexLeaves& A, const ConvexLeaves& B,
   if (meshes_) start_.emplace(*A.mesh(), *B.mesh(), motion.At(0));
 }
 
-bool TranslationQuery::Apart(std::int32_t node_a, std::int32_t node_b) {
-  if (!meshes_ || best_.facet_a < 0) return false;
-  if (best_.distance < stale_below_) Aim();
-  const double apart = double{extents_a_.Least(node_a)} + extents_b_.Least(node_b) - offset_;
-  return apart > best_.distance * length_;
-}
-
-void TranslationQuery::Aim() {
-  const Bvh &a = A_.bvh(), &b = B_.bvh();
-  const Pose start = motion_.At(0);
-  stale_below_ = best_.distance - kStaleSweptAim * std::min({best_.distance, a.size, b.size});
-  const Vec3 along = extents_a_.Start(a, line_);
-  extents_b_.Start(b, -(Transpose(start.R) * along));
-  const Vec3 begin = start * b.origin - a.origin, end = begin + motion_.translation();
-  const double far = std::max(Norm(begin), Norm(end));
-  length_ = Norm(along) * (1 + kTouching);
-  offset_ = std::max(Dot(along, begin), Dot(along, end)) + kCullingSlack * (a.size + b.size) +
-            kTouching * far;
+void TranslationQuery::Run() {
+  NearestSearch(A_.bvh(), B_.bvh(), this).Run();
+  Finish();
 }
 
 const PosedPair& TranslationQuery::Posed() {
@@ -75,29 +62,43 @@ const PosedPair& TranslationQuery::Posed() {
   return *posed_;
 }
 
-void TranslationQuery::OrderPosed(const BvhNode& a, const BvhNode& b, float* order) {
-  alignas(32) float bound[kBvhWidth * kBvhWidth];
-  const PosedPair& posed = Posed();
-  posed.kernels.box_orders(a, b, posed.cull, 1e38f, kMiddles, bound, order);
+std::uint64_t TranslationQuery::Orders(const BvhNode& a, const BvhNode& b, float* bound,
+                                       float* order) {
+  if (at_time_ != best_.time) {
+    at_time_ = best_.time;
+    const Vec3 at = cull_.begin.p + at_time_ * (cull_.end.p - cull_.begin.p);
+    for (int i = 0; i < 3; ++i) at_[i] = static_cast<float>(at[i]);
+  }
+  return kernels_.translation_orders(a, b, cull_, at_, Limit(), kMiddles, bound, order);
 }
 
-void TranslationQuery::Visit(const LeafPairs& pairs, const TimeSlice& whole) {
-  if (meshes_) return VisitFacets(pairs);
-  for (int i = 0; i < pairs.count; ++i) {
-    const LeafPairs::Pair& pair = pairs.pair[i];
-    if (!(pair.squared_bound <= squared_reach(whole))) return;
-    MeasureSwept(pair.slot_a, pair.slot_b);
-  }
+std::uint64_t TranslationQuery::Cull(const BvhNode& a, const BvhNode& b,
+                                     std::uint64_t pairs) const {
+  if (!meshes_) return pairs;
+  const Vec3 n = A_.bvh().axes * direction_;
+  const float direction[3]{static_cast<float>(n.x), static_cast<float>(n.y),
+                           static_cast<float>(n.z)};
+  return kernels_.cull_facets(A_.bvh().blocks[a.block], B_.bvh().blocks[b.block], cull_, direction,
+                              static_cast<float>(best_.distance), pairs);
 }
 
-void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
-  chunk_.count = pairs.count;
-  for (int i = 0; i < pairs.count; ++i) {
-    chunk_.slot_a[i] = pairs.pair[i].slot_a;
-    chunk_.slot_b[i] = pairs.pair[i].slot_b;
-    bound_[i] = 0;
+void TranslationQuery::Measure(const BvhNode& a, const BvhNode& b, std::uint64_t pairs) {
+  chunk_.count = 0;
+  for (; pairs != 0; pairs &= pairs - 1) {
+    const int pair = std::countr_zero(pairs);
+    chunk_.slot_a[chunk_.count] = a.child[pair & 7];
+    chunk_.slot_b[chunk_.count] = b.child[pair >> 3];
+    bound_[chunk_.count++] = 0;
   }
-  if (best_.facet_a >= 0) {
+  if (meshes_) return MeasureFacets();
+  for (int i = 0; i < chunk_.count; ++i) MeasureSwept(chunk_.slot_a[i], chunk_.slot_b[i]);
+}
+
+void TranslationQuery::MeasureFacets() {
+  if (chunk_.count <= kFewToPose) {
+    MeasurePosed();
+    PutLeastLast();
+  } else if (best_.facet_a >= 0) {
     CullPrisms();
     MeasurePosed();
   } else {
@@ -113,6 +114,16 @@ void TranslationQuery::VisitFacets(const LeafPairs& pairs) {
     put_off_.bound[put_off_.count++] = bound_[i];
   }
   if (put_off_.count + kBvhWidth * kBvhWidth > FacetPairs::kCapacity) Finish();
+}
+
+void TranslationQuery::PutLeastLast() {
+  if (chunk_.count == 0) return;
+  const int last = chunk_.count - 1;
+  const auto least = std::min_element(bound_.begin(), bound_.begin() + chunk_.count);
+  const auto i = least - bound_.begin();
+  std::swap(bound_[i], bound_[last]);
+  std::swap(chunk_.slot_a[i], chunk_.slot_a[last]);
+  std::swap(chunk_.slot_b[i], chunk_.slot_b[last]);
 }
 
 void TranslationQuery::MeasureLast() {
