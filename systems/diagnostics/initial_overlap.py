@@ -8,11 +8,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import ContactModel, ContactState, Forces
+from systems.diagnostics.common_inside import CommonInside
+from systems.diagnostics.joint_hold import JointHold
 from systems.plant.whole_bodies import WholeBodies
+
+Floats = NDArray[np.float64]
 
 POLICIES = ("ease", "filter", "warn", "raise")
 # Of the smaller body's diagonal: half of its skin. Nothing lies or is held as deep, unless it is
@@ -31,15 +36,17 @@ class Overlap:
     pair
         In the contact model.
     depth, force
-        How deep [m], and how hard they would push each other [N].
-    within
-        Whether their bodies are of one tree of joints, such as links of a robot.
+        How deep [m], and how hard they would push each other [N]: all springs together, in whatever
+        direction each of them pushes.
+    stays
+        Whether they may go on overlapping: their bodies are of one tree of joints, such as links of
+        a robot, or joints hold them as they are.
     """
 
     pair: int
     depth: float
     force: float
-    within: bool
+    stays: bool
 
 
 class InitialOverlap:
@@ -71,7 +78,9 @@ class InitialOverlap:
             raise ValueError(f"initial_overlap must be one of {known}, not {policy!r}")
         if not 0 < easing_time < math.inf:
             raise ValueError(f"easing_time must be a time [s] > 0, not {easing_time}")
-        self._model = model
+        self._model, self._bodies = model, tuple(bodies)
+        self._inside = CommonInside(model)
+        self._plant = plant
         self._policy = policy
         self._easing_time = easing_time
         group_of = _assemblies(plant)
@@ -86,28 +95,51 @@ class InitialOverlap:
             weight = min(side.weight for side in sides)
             self._heavy.append(_HEAVY * weight if math.isfinite(weight) else 0.0)
 
-    def find(self, forces: Forces) -> list[Overlap]:
-        """Return the pairs that overlap, the deepest first."""
-        contacts = forces.contacts
-        overlaps = []
-        for pair in np.unique(contacts.pair):
-            rows = contacts.pair == pair
-            depth = float(contacts.deformation[rows].max() - self._model.pairs[pair].web.standoff)
-            pushes = contacts.normal_force[rows, None] * contacts.normal_F[rows]
-            force = float(np.linalg.norm(pushes.sum(axis=0)))
-            if depth > self._deep[pair] and force > self._heavy[pair]:
-                overlaps.append(Overlap(int(pair), depth, force, self._within[pair]))
-        return sorted(overlaps, key=lambda overlap: -overlap.depth)
+    def find(self, forces: Forces, X_WB: Floats, q: Floats | None = None) -> list[Overlap]:
+        """Return the pairs that overlap, the deepest first.
 
-    def begin(self, state: ContactState, push: Callable[[], Forces], time: float) -> ContactState:
+        X_WB (nb, 4, 4) and q (nq,) are the poses and the plant's positions; without the latter
+        nobody looks at what joints allow. What just touches, where joints let it neither part nor
+        press, counts too.
+        """
+        contacts = forces.contacts
+        inside = self._inside.find(X_WB)
+        joints = None
+        if q is not None and len(contacts.pair):
+            joints = JointHold(self._plant, self._model, self._bodies, q, contacts)
+        overlaps = []
+        for pair in map(int, {*np.unique(contacts.pair), *inside}):
+            rows = contacts.pair == pair
+            standoff = self._model.pairs[pair].web.standoff
+            depth = float(contacts.deformation[rows].max(initial=standoff) - standoff)
+            # What crosses another in the middle is pushed both ways at once, and no less deep in.
+            force = float(contacts.normal_force[rows].sum())
+            ball = inside.get(pair, 0.0)
+            pushed = depth > self._deep[pair] and force > self._heavy[pair]
+            if pushed or ball > max(depth, self._deep[pair]):
+                held = joints is not None and joints.holds_against_push(pair)
+                stays = self._within[pair] or held
+                overlaps.append(Overlap(pair, max(depth, ball), force, stays))
+            elif joints is not None and rows.any() and joints.holds_everywhere(pair):
+                overlaps.append(Overlap(pair, depth, force, stays=True))
+        return sorted(overlaps, key=lambda overlap: (-overlap.depth, overlap.pair))
+
+    def begin(
+        self,
+        state: ContactState,
+        push: Callable[[], Forces],
+        time: float,
+        X_WB: Floats,
+        q: Floats | None = None,
+    ) -> ContactState:
         """Return the state to begin with, after telling what overlaps.
 
         A simulation that goes on keeps its state, and bodies that are apart keep theirs. `push`
-        gives the forces at the start. Raises RuntimeError where there is something, and the policy
-        says so.
+        gives the forces at the start; X_WB and q as in `find`. Raises RuntimeError where there is
+        something, and the policy says so.
         """
         goes_on = state.forces is not None and state.time <= time
-        overlaps = [] if goes_on else self.find(push())
+        overlaps = [] if goes_on else self.find(push(), X_WB, q)
         if not overlaps:
             return state
         if self._policy == "raise":
@@ -122,15 +154,16 @@ class InitialOverlap:
             )
             return state
         depths = np.zeros(len(self._model.pairs))
-        filtered = [each for each in overlaps if self._policy == "filter" or each.within]
+        filtered = [each for each in overlaps if self._policy == "filter" or each.stays]
         eased = [each for each in overlaps if each not in filtered]
         if filtered:
             depths[[each.pair for each in filtered]] = math.inf
             _warn(
                 self._tell(
                     filtered,
-                    "they pass through each other from now on, as links of "
-                    "a robot that overlap at rest must; start apart to let them touch",
+                    "they pass through each other from now on, as must links of a robot that "
+                    "overlap at rest, and what its joints hold in place; start apart to let them "
+                    "touch",
                 )
             )
         if eased:
