@@ -15,7 +15,7 @@ from pydrake.multibody.tree import BodyIndex
 from contact_toolkit import ContactModel, ContactState, Forces
 from systems.diagnostics.common_inside import CommonInside
 from systems.diagnostics.joint_hold import JointHold
-from systems.plant.whole_bodies import WholeBodies
+from systems.plant.whole_bodies import WholeBodies, joint_trees
 
 Floats = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ class InitialOverlap:
         self._plant = plant
         self._policy = policy
         self._easing_time = easing_time
-        group_of = _assemblies(plant)
+        group_of = joint_trees(plant)
         rows = zip(model.geometry_bodies, model.geometries, strict=True)
         whole = WholeBodies(plant, ((bodies[row], each.mesh, each.X_BG) for row, each in rows))
         self._within, self._deep, self._heavy = [], [], []
@@ -185,27 +185,6 @@ class InitialOverlap:
         more = len(overlaps) - len(listed)
         rest = f", and {more} more pairs" if more else ""
         return f"overlap at the start: {', '.join(listed)}{rest}; {mend}"
-
-
-def _assemblies(plant: MultibodyPlant) -> list[int]:
-    """Return a number for each body, equal for bodies of one tree of joints.
-
-    The world is an assembly of its own: what stands on it is not part of it. Nor are free bodies of
-    one model instance, which may be all there are.
-    """
-    world = plant.world_body().index()
-    leader = list(range(plant.num_bodies()))
-
-    def join(a: int, b: int) -> None:
-        old, new = leader[a], leader[b]
-        leader[:] = [new if each == old else each for each in leader]
-
-    for index in plant.GetJointIndices():
-        joint = plant.get_joint(index)
-        ends = joint.parent_body().index(), joint.child_body().index()
-        if world not in ends:
-            join(*map(int, ends))
-    return leader
 
 
 def _warn(message: str) -> None:
