@@ -95,8 +95,9 @@ double RadiusOf(const std::array<Vec3, 3>& triangle) {
   return std::sqrt(squared);
 }
 
-AreaNodes::AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing)
-    : mesh_(std::move(mesh)), spacing_(spacing) {
+AreaNodes::AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing,
+                     const RoundLattice& round)
+    : mesh_(std::move(mesh)), spacing_(spacing), round_(round) {
   BuildSharpEdges();
   BuildPatches();
 }
@@ -129,16 +130,31 @@ bool AreaNodes::Splits(const Vec3& a, const Vec3& b) const {
   return squared > spacing * spacing;
 }
 
+// On the round surface of a lattice.
+bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
+  const Vec3 e = b - a;
+  if (!round_.OnSide(a, b)) return SquaredNorm(e) > round_.across * round_.across;
+  const double around = std::sqrt(e.x * e.x + e.y * e.y), along = std::abs(e.z);
+  if (around > round_.across || along > spacing_) return true;
+  const double spacing = SpacingAt(0.5 * (a + b));
+  return around > spacing || along > spacing;
+}
+
 // Calls emit(part) for the two to four parts of a triangle; false where it needs no cut.
 template <typename Emit>
 bool AreaNodes::Cut(const Corners& t, const Emit& emit) const {
   bool split[3];
   int count = 0, first = -1;
+  const bool round = round_.IsRound(t);
   for (int k = 0; k < 3; ++k) {
-    split[k] = Splits(t[k], t[(k + 1) % 3]);
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
+    split[k] = round ? SplitsRound(a, b) : Splits(a, b);
     if (split[k]) ++count, first = k;
   }
-  const auto middle = [&](int k) { return 0.5 * (t[k % 3] + t[(k + 1) % 3]); };
+  const auto middle = [&](int k) {
+    const Vec3 between = 0.5 * (t[k % 3] + t[(k + 1) % 3]);
+    return round ? round_.Raised(between) : between;
+  };
   if (count == 3) {
     const Vec3 m[3] = {middle(0), middle(1), middle(2)};
     emit(Corners{t[0], m[0], m[2]});
@@ -201,7 +217,8 @@ void AreaNodes::BuildPatches() {
                        SquaredNorm(t[0] - t[2])}) <= largest * largest;
     };
     CutUntil(small, whole, [&](const Corners& t) {
-      const double expected = 1 + 4 * AreaOf(t) / (spacing_ * spacing_);
+      const double across = round_.IsRound(t) ? round_.across : spacing_;
+      const double expected = 1 + 4 * AreaOf(t) / (spacing_ * across);
       const bool full = triangles == kPatchTriangles || parts + expected > kPatchParts;
       if (triangles > 0 && (full || Norm(t[0] - corner) > 2 * longest)) close();
       if (triangles == 0) corner = t[0];
