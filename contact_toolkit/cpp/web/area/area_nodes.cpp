@@ -216,7 +216,7 @@ void AreaNodes::BuildPatches() {
       return std::max({SquaredNorm(t[1] - t[0]), SquaredNorm(t[2] - t[1]),
                        SquaredNorm(t[0] - t[2])}) <= largest * largest;
     };
-    CutUntil(small, whole, [&](const Corners& t) {
+    const auto add = [&](const Corners& t) {
       const double across = round_.IsRound(t) ? round_.across : spacing_;
       const double expected = 1 + 4 * AreaOf(t) / (spacing_ * across);
       const bool full = triangles == kPatchTriangles || parts + expected > kPatchParts;
@@ -225,7 +225,12 @@ void AreaNodes::BuildPatches() {
       roots_.push_back(t);
       side_of_root_.push_back(sides[facet]);
       ++triangles, parts += expected;
-    });
+    };
+    if (round_.IsRound(whole) && round_.OnSide(whole)) {
+      round_.CutSide(whole, spacing_, add);
+    } else {
+      CutUntil(small, whole, add);
+    }
   }
   close();
   tree_ = SphereTree(std::move(spheres));

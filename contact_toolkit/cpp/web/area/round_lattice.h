@@ -31,6 +31,29 @@ struct RoundLattice {
     return std::max(std::abs(a.z), std::abs(b.z)) <= (1 + kOnEnd) * Half();
   }
 
+  bool OnSide(const Corners& t) const { return OnSide(t[0], t[1]) && OnSide(t[1], t[2]); }
+
+  // Calls emit(part) for what replaces the mesh's facets along the side: as much longer than wide
+  // as nodes are farther apart along it, `along` [m], than across, which cuts in half preserve. The
+  // facets are halves of rectangles; one of each pair stands for both.
+  template <typename Emit>
+  void CutSide(const Corners& facet, double along, const Emit& emit) const {
+    int top = -1, num_above = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (facet[k].z > 0) top = k, ++num_above;
+    }
+    if (num_above != 1) return;
+    const Vec3 &a = facet[(top + 1) % 3], &b = facet[(top + 2) % 3];
+    const double length = facet[top].z - a.z;
+    const int count =
+        static_cast<int>(std::max(1.0, std::round(length * across / (along * Norm(b - a)))));
+    const auto at = [&](const Vec3& p, int i) { return Vec3{p.x, p.y, p.z + length * i / count}; };
+    for (int i = 0; i < count; ++i) {
+      emit(Corners{at(a, i), at(b, i), at(b, i + 1)});
+      emit(Corners{at(a, i), at(b, i + 1), at(a, i + 1)});
+    }
+  }
+
   // The point of the round surface next to one a little beneath it.
   Vec3 Raised(const Vec3& p) const {
     if (OnSide(p, p)) {
@@ -46,7 +69,7 @@ struct RoundLattice {
   // 1/2 Σ λ_i λ_j |e_ij|² / R, e the edges without what runs along the axis.
   double BulgeOver(const Corners& t) const {
     if (!IsRound(t)) return 0;
-    const bool side = OnSide(t[0], t[1]) && OnSide(t[1], t[2]);
+    const bool side = OnSide(t);
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 e = t[(k + 1) % 3] - t[k];
