@@ -52,7 +52,8 @@ def without_open_links(
         more = len(shells) - len(listed)
         warnings.warn(
             f"{len(shells)} geometries of one robot have no inside to measure a penetration by, so "
-            f"{len(dropped)} pairs of them pass through each other; whatever is closed they touch. "
+            f"{len(dropped)} pair{'s' if len(dropped) > 1 else ''} of them will pass through each "
+            "other; whatever is closed they touch. "
             + "".join(f"{describe(shell)}. " for shell in listed)
             + (f"And {more} more. " if more else "")
             + "Mend the meshes, or set standoff (a shell [m] in which the surfaces already push). "
