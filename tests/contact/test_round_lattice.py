@@ -55,11 +55,12 @@ def test_a_rod_lies_on_few_springs(ground):
     bore = []
     for roll in np.linspace(0, 0.1, 40):
         wrench, R = found(ground, roll, nominal_force=force)
-        assert len(wrench.rows["key"]) < 700
+        assert len(wrench.rows["key"]) < 250
         bore.append(R @ wrench.force)
         # It rolls freely: nothing turns it about its axis.
-        assert abs(wrench.moment[2]) < 1e-4 * force * RADIUS
-    np.testing.assert_allclose(np.array(bore)[:, 2], force, rtol=2e-3)
+        assert abs(wrench.moment[2]) < 4e-4 * force * RADIUS
+    np.testing.assert_allclose(np.array(bore)[:, 2], force, rtol=1.5e-2)
+    assert np.mean(bore, axis=0)[2] == pytest.approx(force, rel=3e-3)
     np.testing.assert_allclose(np.array(bore)[:, :2], 0, atol=1e-9 * force)
 
 

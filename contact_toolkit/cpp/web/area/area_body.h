@@ -2,10 +2,10 @@
 // hundred parts in a bin do not build it a hundred times; each item is made when first asked for.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include "shapes/mesh.h"
 #include "web/area/area_nodes.h"
@@ -33,8 +33,7 @@ class AreaBody {
   double overhang() const;
   // [-] The fraction of its surface that is in large flat sides: 1 of a box.
   double flatness() const;
-  // `across` [m]: of a RoundLattice; 0: the mesh is sampled.
-  std::shared_ptr<const AreaNodes> nodes(double spacing, double across = 0) const;
+  std::shared_ptr<const AreaNodes> nodes(double spacing, const RoundLattice& round = {}) const;
   std::shared_ptr<const DistanceBounds> bounds(double finest) const;
   std::shared_ptr<const FlatRegions> flats(double finest) const;
   std::shared_ptr<const WedgeRegions> wedges(double finest) const;
@@ -45,7 +44,7 @@ class AreaBody {
   std::shared_ptr<const ProbedSurface> surface_;
   mutable std::mutex mutex_;
   mutable double thickness_ = -1, flatness_ = -1, overhang_ = -1;  // not yet found
-  mutable std::map<std::pair<double, double>, std::shared_ptr<const AreaNodes>> nodes_;
+  mutable std::map<std::array<double, 3>, std::shared_ptr<const AreaNodes>> nodes_;
   mutable std::map<double, std::shared_ptr<const DistanceBounds>> bounds_;
   mutable std::map<double, std::shared_ptr<const FlatRegions>> flats_;
   mutable std::map<double, std::shared_ptr<const WedgeRegions>> wedges_;

@@ -135,9 +135,11 @@ bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
   const Vec3 e = b - a;
   if (!round_.OnSide(a, b)) return SquaredNorm(e) > round_.across * round_.across;
   const double around = std::sqrt(e.x * e.x + e.y * e.y), along = std::abs(e.z);
-  if (around > round_.across || along > spacing_) return true;
-  const double spacing = SpacingAt(0.5 * (a + b));
-  return around > spacing || along > spacing;
+  if (around > round_.across || along > round_.along) return true;
+  if (!sharp_edges_) return false;
+  // Of a cylinder's rims.
+  const double share = SpacingAt(0.5 * (a + b)) / spacing_;
+  return around > share * round_.across || along > share * round_.along;
 }
 
 // Calls emit(part) for the two to four parts of a triangle; false where it needs no cut.
@@ -217,8 +219,9 @@ void AreaNodes::BuildPatches() {
                        SquaredNorm(t[0] - t[2])}) <= largest * largest;
     };
     const auto add = [&](const Corners& t) {
-      const double across = round_.IsRound(t) ? round_.across : spacing_;
-      const double expected = 1 + 4 * AreaOf(t) / (spacing_ * across);
+      const double cell =
+          round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;
+      const double expected = 1 + 4 * AreaOf(t) / cell;
       const bool full = triangles == kPatchTriangles || parts + expected > kPatchParts;
       if (triangles > 0 && (full || Norm(t[0] - corner) > 2 * longest)) close();
       if (triangles == 0) corner = t[0];
@@ -227,7 +230,7 @@ void AreaNodes::BuildPatches() {
       ++triangles, parts += expected;
     };
     if (round_.IsRound(whole) && round_.OnSide(whole)) {
-      round_.CutSide(whole, spacing_, add);
+      round_.CutSide(whole, add);
     } else {
       CutUntil(small, whole, add);
     }

@@ -108,7 +108,6 @@ class AreaWeb final : public SpringWeb {
   // A round body bulges between nodes: by this times the sum of a triangle's squared edges [1/m],
   // and nowhere by more than so much [m].
   double bulge_ = 0, most_bulge_ = 0;
-  double across_ = 0;       // [m] of the sampled body's lattice; 0: none
   double rise_ = 0;         // [m] by which the sampled surface stands out of its mesh
   double flat_margin_ = 0;  // [m] by which the field looks beyond a point
   double overhang_ = 0;     // [m] by which the probed surface stands out of its mesh

@@ -15,7 +15,8 @@ struct RoundLattice {
   using Corners = std::array<Vec3, 3>;
 
   Primitive shape;
-  double across = 0;  // [m] between nodes around it, and on the ends of a capsule; 0: no such thing
+  // [m] Between nodes around it, and on the ends of a capsule; 0: no such thing. And along it.
+  double across = 0, along = 0;
 
   explicit operator bool() const { return across > 0; }
 
@@ -33,11 +34,11 @@ struct RoundLattice {
 
   bool OnSide(const Corners& t) const { return OnSide(t[0], t[1]) && OnSide(t[1], t[2]); }
 
-  // Calls emit(part) for what replaces the mesh's facets along the side: as much longer than wide
-  // as nodes are farther apart along it, `along` [m], than across, which cuts in half preserve. The
-  // facets are halves of rectangles; one of each pair stands for both.
+  // Calls emit(part) for what replaces the mesh's facets along the side: cut in half until they are
+  // narrow enough, they are short enough too. The facets are halves of rectangles; one of each pair
+  // stands for both.
   template <typename Emit>
-  void CutSide(const Corners& facet, double along, const Emit& emit) const {
+  void CutSide(const Corners& facet, const Emit& emit) const {
     int top = -1, num_above = 0;
     for (int k = 0; k < 3; ++k) {
       if (facet[k].z > 0) top = k, ++num_above;
@@ -45,8 +46,8 @@ struct RoundLattice {
     if (num_above != 1) return;
     const Vec3 &a = facet[(top + 1) % 3], &b = facet[(top + 2) % 3];
     const double length = facet[top].z - a.z;
-    const int count =
-        static_cast<int>(std::max(1.0, std::round(length * across / (along * Norm(b - a)))));
+    const double halvings = std::max(0.0, std::ceil(std::log2(Norm(b - a) / across)));
+    const int count = static_cast<int>(std::ceil(length / (along * std::exp2(halvings))));
     const auto at = [&](const Vec3& p, int i) { return Vec3{p.x, p.y, p.z + length * i / count}; };
     for (int i = 0; i < count; ++i) {
       emit(Corners{at(a, i), at(b, i), at(b, i + 1)});
