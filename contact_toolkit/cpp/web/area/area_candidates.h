@@ -70,6 +70,7 @@ struct AreaCandidates {
 //   IsNeverFlat(corners): whether that is certain to stay so at all poses;
 //   IsRound(corners): whether parts of a triangle do not lie in it;
 //   ClearanceAnywhere(corners): of a triangle, whatever it meets;
+//   Farthest(corners): how far they may yet move;
 //   MayLoadAbove(leaf, &side): whether a patch's leaf may have loaded nodes, where that is the side
 //     under all its triangles;
 //   ClearanceAbove(ground, corners): of a triangle, where that is all it can meet;
@@ -100,7 +101,8 @@ class CandidateGatherer {
                                         : largest);
           } else if (side >= 0) {
             AddFlat(largest, side, test_.ClearanceAbove(side, CornersOf(largest)));
-          } else {
+          } else if (const Corners corners = CornersOf(largest);
+                     !test_.IsRound(corners) || test_.MayLoad(corners)) {
             AddLargest(patch, i);
           }
         }
@@ -202,10 +204,12 @@ class CandidateGatherer {
   void AddSmallest(const AreaPatch::Triangle& triangle) {
     const Corners corners = CornersOf(triangle);
     if (test_.IsRound(corners)) {
+      const float least = test_.ClearanceAnywhere(corners);
+      if (least > test_.Farthest(corners)) return;
       const std::int32_t ground = test_.GroundUnder(corners);
       if (ground >= 0) return AddFlat(triangle, ground, test_.ClearanceAbove(ground, corners));
       if (!test_.at_one_pose) {
-        return Push(triangle, AreaCandidates::kOpenSmallest, test_.ClearanceAnywhere(corners));
+        return Push(triangle, AreaCandidates::kOpenSmallest, least);
       }
     }
     float least = kInfinity;

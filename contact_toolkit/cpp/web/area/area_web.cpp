@@ -302,20 +302,18 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
                                   web.reach() + web.rise_ + way(sphere.center, sphere.radius));
     }
     bool MayLoad(const std::array<Vec3, 3>& corners) const {
-      const Sphere sphere = SphereAround(corners.data(), 3);
-      if (!web.surface_->primitive()) return MayLoad(sphere);
-      return LeastOver(corners) <= web.reach() + web.rise_ + way(sphere.center, sphere.radius);
+      if (!web.surface_->primitive()) return MayLoad(SphereAround(corners.data(), 3));
+      return LeastOver(corners) - web.nodes_->round().MostRise(corners) <=
+             web.reach() + Farthest(corners);
     }
     // [m] Of the primitive that is probed.
     double LeastOver(const std::array<Vec3, 3>& corners) const {
-      const Sphere sphere = SphereAround(corners.data(), 3);
       std::array<Vec3, 3> posed;
       for (int i = 0; i < 3; ++i) posed[i] = X_PS * corners[i];
-      const Vec3 center = X_PS * sphere.center;
+      const Vec3 center = CenterOf(posed);
       const double least = web.surface_->primitive().LeastOver(posed, center);
-      const double rounding =
-          kTouching * (Norm(X_PS.p) + Norm(center) + sphere.radius + std::abs(least));
-      return least - rounding;
+      const double size = Norm(X_PS.p) + Norm(center) + Norm(posed[0] - center);
+      return least - kTouching * (size + std::abs(least));
     }
     double Clearance(const Vec3& p) const { return probe->Clearance(X_PS * p, way(p, 0)); }
     double Farthest(const std::array<Vec3, 3>& corners) const {

@@ -78,6 +78,8 @@ struct RoundLattice {
     }
     return sum / (24 * shape.size.x);
   }
+  // [m] Nowhere over it is the surface farther out: as Σ λ_i λ_j <= 1/3.
+  double MostRise(const Corners& t) const { return 4 * BulgeOver(t); }
   double LargestBulge() const { return *this ? across * across / (8 * shape.size.x) : 0; }
 
  private:
