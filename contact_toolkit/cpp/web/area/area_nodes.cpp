@@ -136,10 +136,8 @@ bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
   if (!round_.OnSide(a, b)) return SquaredNorm(e) > round_.across * round_.across;
   const double around = std::sqrt(e.x * e.x + e.y * e.y), along = std::abs(e.z);
   if (around > round_.across || along > round_.along) return true;
-  if (!sharp_edges_) return false;
-  // Of a cylinder's rims.
-  const double share = SpacingAt(0.5 * (a + b)) / spacing_;
-  return around > share * round_.across || along > share * round_.along;
+  // Next to a cylinder's rims.
+  return sharp_edges_ && along > SpacingAt(0.5 * (a + b)) / spacing_ * round_.along;
 }
 
 // Calls emit(part) for the two to four parts of a triangle; false where it needs no cut.
@@ -284,8 +282,10 @@ std::unique_ptr<AreaPatch> AreaNodes::MakePatch(std::int32_t index) const {
   for (AreaPatch::Triangle& triangle : patch->triangles) shares.Give(0, false, &triangle);
   std::vector<Sphere> spheres;
   const auto count = static_cast<std::int32_t>(patch->triangles.size());
-  for (std::int32_t first = 0; first < count; first += kLeafTriangles) {
-    const std::int32_t last = std::min(count, first + kLeafTriangles);
+  // Triangles of a round surface turn away from what it touches, each on its own.
+  const int in_leaf = round_ ? 1 : kLeafTriangles;
+  for (std::int32_t first = 0; first < count; first += in_leaf) {
+    const std::int32_t last = std::min(count, first + in_leaf);
     const std::int32_t root = first_root_[index] + first;
     spheres.push_back(SphereAround(roots_[root].data(), 3 * (last - first)));
     double largest = 0;
