@@ -65,7 +65,7 @@ class JointHold:
         rows = rows[:: 1 + len(rows) // _MOST_SPRINGS]
         force = self._contacts.normal_force[rows]
         moved = self._moved(pair, rows, np.eye(len(rows)))
-        return bool(0 < force.sum() and force @ moved * self._mass <= _HELD * force.sum())
+        return bool(force.sum() > 0 and force @ moved * self._mass <= _HELD * force.sum())
 
     def _moved(self, pair: int, rows: NDArray[np.intp], force: Floats) -> Floats:
         """Return f J M⁻¹ Jᵀ fᵀ [N²/kg] for each set (n, rows) of forces along the normals."""

@@ -188,7 +188,9 @@ def test_memory_changes_no_friction(case):
                 assert warm == Scene(case).bits(near)
 
 
-@pytest.mark.parametrize("case", ["face", "ball", "ball on a rim", "cylinder", "slab sampled", "lattice"])
+@pytest.mark.parametrize(
+    "case", ["face", "ball", "ball on a rim", "cylinder", "slab sampled", "lattice"]
+)
 def test_a_node_is_as_stiff_under_any_load(case):
     """Held bodies that creep as their load pulsates (broken: only what is loaded counts)."""
     scene = Scene(case)

@@ -161,9 +161,7 @@ class Mounted:
         base = self.plant.AddFrame(
             FixedOffsetFrame("base", world.body_frame(), RigidTransform([0.0, 0.0, height]))
         )
-        self.slider = self.plant.AddJoint(
-            PrismaticJoint("slider", base, first.body_frame(), axis)
-        )
+        self.slider = self.plant.AddJoint(PrismaticJoint("slider", base, first.body_frame(), axis))
         self.plant.AddJoint(
             RevoluteJoint("hinge", first.body_frame(), second.body_frame(), [1.0, 0.0, 0.0])
         )

@@ -217,8 +217,7 @@ void AreaNodes::BuildPatches() {
                        SquaredNorm(t[0] - t[2])}) <= largest * largest;
     };
     const auto add = [&](const Corners& t) {
-      const double cell =
-          round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;
+      const double cell = round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;
       const double expected = 1 + 4 * AreaOf(t) / cell;
       const bool full = triangles == kPatchTriangles || parts + expected > kPatchParts;
       if (triangles > 0 && (full || Norm(t[0] - corner) > 2 * longest)) close();

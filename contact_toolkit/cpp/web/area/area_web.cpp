@@ -31,7 +31,7 @@ constexpr double kUsualResolution = 0.02, kFinestResolution = 5e-4;
 // Node spacing over the radius of a round body's patch. On a lattice the force of a lying cylinder
 // is good to 1.5 % at each pose, and on average as it rolls to 0.2 %.
 constexpr double kBallShare = 0.35, kCylinderShare = 0.7, kLatticeShare = 1;
-constexpr double kLatticeStretch = 2;  // spacings between nodes along a lying cylinder
+constexpr double kLatticeStretch = 2;     // spacings between nodes along a lying cylinder
 constexpr double kWeightOfWater = 9.8e3;  // [N/m³]
 constexpr double kCellShare = 0.01;       // of the smaller diagonal: the smooth field's usual cell
 constexpr double kSmoothedCells = 1.5;    // by which the smooth field flattens the largest depth
@@ -329,7 +329,8 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
       return RoundedDown(LeastOver(corners) - web.reach());
     }
     bool IsNeverFlat(const std::array<Vec3, 3>& corners) const {
-      return at_one_pose || IsRound(corners) || web.IsNeverFlatUnder(X_PS, corners, Farthest(corners));
+      return at_one_pose || IsRound(corners) ||
+             web.IsNeverFlatUnder(X_PS, corners, Farthest(corners));
     }
     bool MayLoadAbove(const AreaPatch::Leaf& leaf, std::int32_t* side) const {
       *side = -1;

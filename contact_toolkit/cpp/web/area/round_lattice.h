@@ -1,5 +1,5 @@
-// How the surface of a capsule or cylinder is sampled: nodes lie on the true surface, close together
-// around it and far apart along it, as its contact with what is flat is narrow and long.
+// How the surface of a capsule or cylinder is sampled: nodes lie on the true surface, close
+// together around it and far apart along it, as its contact with what is flat is narrow and long.
 #pragma once
 
 #include <algorithm>
