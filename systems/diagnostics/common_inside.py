@@ -43,7 +43,7 @@ class CommonInside:
         a, b = self._pairs.T
         apart = np.linalg.norm(middle[a] - middle[b], axis=1)
         near = np.flatnonzero(apart < self._radius[a] + self._radius[b])
-        radii = {int(pair): self._ball_in(*self._pairs[pair], X_FG) for pair in near}
+        radii = {int(pair): self._ball_in(a[pair], b[pair], X_FG) for pair in near}
         return {pair: radius for pair, radius in radii.items() if radius > 0}
 
     def _ball_in(self, a: int, b: int, X_FG: Floats) -> float:
