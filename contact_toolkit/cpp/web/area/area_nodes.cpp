@@ -136,8 +136,10 @@ bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
   if (!round_.OnSide(a, b)) return SquaredNorm(e) > round_.across * round_.across;
   const double around = std::sqrt(e.x * e.x + e.y * e.y), along = std::abs(e.z);
   if (around > round_.across || along > round_.along) return true;
-  // Next to a cylinder's rims.
-  return sharp_edges_ && along > SpacingAt(0.5 * (a + b)) / spacing_ * round_.along;
+  if (!sharp_edges_) return false;
+  // Of a cylinder's rims.
+  const double share = SpacingAt(0.5 * (a + b)) / spacing_;
+  return around > share * round_.across || along > share * round_.along;
 }
 
 // Calls emit(part) for the two to four parts of a triangle; false where it needs no cut.
