@@ -22,6 +22,7 @@ from contact_toolkit import (
 )
 from contact_toolkit.shapes.primitives import Primitive
 from scenarios import parts
+from scenarios.parts.surface import revolve
 
 pytestmark = pytest.mark.engine
 
@@ -181,3 +182,32 @@ def test_primitives_are_conservative(shape):
         R = Rotation.random(random_state=seed).as_matrix()
         z = brentq(lambda z, R=R: web.wrench(pose([0.01, 0.02, z], R)).energy - 1e-3, -0.05, 0.2)
         assert experiments.gradient_error(web, pose([0.01, 0.02, z], R)) < 1e-6
+
+
+def test_long_thin_facets_take_no_more_springs_than_short_ones():
+    """A tube's wall of tall facets (broken: such facets halved again and again, 395 springs)."""
+    tall, R, depth = 0.095, 0.02, 2.7e-4
+    ball = pose([(0.04 + R - depth) * math.cos(0.3), (0.04 + R - depth) * math.sin(0.3), -0.04])
+    K, springs = 1e9, []
+    # The pressure of the ball upon the polygon that the wall is, summed up on a fine grid.
+    corner = 2 * math.pi / 64 * np.arange(-8, 16)
+    t, z = np.meshgrid((np.arange(100) + 0.5) / 100, np.arange(-6e-3, 6e-3, 2e-5))
+    truth = np.zeros(2)
+    for first, last in zip(corner, corner[1:], strict=False):
+        ends = 0.04 * np.array([[math.cos(a), math.sin(a)] for a in (first, last)])
+        p = ends[0] + t[..., None] * (ends[1] - ends[0])
+        away = np.dstack([p - ball[:2, 3], z])
+        distance = np.linalg.norm(away, axis=2)
+        load = K * np.maximum(0, R - distance) * np.linalg.norm(ends[1] - ends[0]) / 100 * 2e-5
+        truth -= np.einsum("ij,ijk->k", load / distance, away[..., :2])
+    for rings in (1, 24):
+        heights = np.linspace(0, -tall, rings + 1)
+        outside = np.column_stack([np.full(rings + 1, 0.04), heights[::-1]])
+        inside = np.column_stack([np.full(rings + 1, 0.036), heights])
+        tube = CollisionMesh(*revolve(np.vstack([outside, inside]), 64, closed=True))
+        model = on_floor(primitive("sphere", R), K, tube, web=AreaWeb(resolution=0.02, sampled="a"))
+        X = np.array([np.eye(4), ball])
+        springs.append(int(model.find(X).num_springs.sum()))
+        force = model.evaluate(X, np.zeros((2, 6))).body_wrenches[1][3:5]
+        np.testing.assert_allclose(force, truth, atol=0.02 * np.linalg.norm(truth))
+    assert springs[0] < 2 * springs[1]

@@ -75,7 +75,7 @@ std::shared_ptr<LoadedSprings> ContactModel::NewLoadedSprings() const {
   return loaded;
 }
 
-void ContactModel::FindPair(int index, std::span<const Pose> X_FB, const ContactState* state,
+bool ContactModel::FindPair(int index, std::span<const Pose> X_FB, const ContactState* state,
                             PairSprings* found) const {
   const ContactPair& pair = pairs_[index];
   const ContactGeometry& a = geometries_[pair.a];
@@ -85,18 +85,40 @@ void ContactModel::FindPair(int index, std::span<const Pose> X_FB, const Contact
   found->springs.withheld = state ? state->Withheld(index) : 0;
   if (std::isinf(found->springs.withheld)) {
     found->springs.clear();
-    return;
+    return true;
   }
+  const auto stays_clear = [&](const Separation& apart) {
+    return apart.clearance > 0 && Moved(pair, apart.X_AB, found->X_AB) <= apart.clearance;
+  };
   const Separation* apart = state ? state->SeparationOf(index) : nullptr;
-  if (apart && Moved(pair, apart->X_AB, found->X_AB) <= apart->clearance) {
+  if ((apart && stays_clear(*apart)) || stays_clear(found->known.apart)) {
     found->springs.clear();
-    return;
+    return true;
   }
-  const auto memory = state ? state->StateOf(index).memory : nullptr;
-  if (memory) {
-    pair.web->RecallSprings(*memory, found->X_AB, &found->springs);
+  std::shared_ptr<const WebMemory> memory = found->known.memory;
+  if (!memory && state) memory = state->StateOf(index).memory;
+  if (memory) return pair.web->RecallSprings(*memory, found->X_AB, &found->springs);
+  // Of a pair that may well be apart that is soon told.
+  const double clearance =
+      state && !(found->springs.withheld > 0) ? pair.web->Clearance(found->X_AB, 0) : 0;
+  if (clearance > 0) {
+    found->springs.clear();
+    found->known.apart = {index, found->X_AB, clearance};
+    return true;
+  }
+  pair.web->FindSprings(found->X_AB, &found->springs);
+  return false;
+}
+
+void ContactModel::LookAround(const Pose& last_X_AB, const ContactState* state,
+                              PairSprings* found) const {
+  found->known = {};
+  if (!state) return;
+  if (found->springs.size() == 0) {
+    found->known.apart = SeparationOf(found->pair, last_X_AB, found->X_AB, *state);
   } else {
-    pair.web->FindSprings(found->X_AB, &found->springs);
+    found->known.memory =
+        pairs_[found->pair].web->Remember(found->springs, last_X_AB, found->X_AB, nullptr);
   }
 }
 
@@ -133,6 +155,7 @@ std::shared_ptr<LoadedSprings> ContactModel::FindLoaded(std::span<const Pose> X_
   if (loaded->pairs.size() < near.size()) loaded->pairs.resize(near.size());
   ParallelFor(static_cast<int>(near.size()), threads_, [&](int i, int) {
     loaded->pairs[i].springs.slopes.wanted = with_slopes;
+    loaded->pairs[i].known = {};
     FindPair(near[i], X_FB, state, &loaded->pairs[i]);
   });
   loaded->size = 0;
@@ -395,6 +418,7 @@ std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, doub
       if (pair_state.anchors != before) changed.store(true, std::memory_order_relaxed);
     }
     const Pose last_X_AB = last ? PoseOf(pair, last->loaded->X_FB) : entry.X_AB;
+    if (entry.known.memory) pair_state.memory = entry.known.memory;
     pair_state.memory = pair.web->Remember(entry.springs, last_X_AB, entry.X_AB, pair_state.memory);
     next->pairs[i] = std::move(pair_state);
   });
@@ -404,24 +428,26 @@ std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, doub
   return next;
 }
 
+Separation ContactModel::SeparationOf(int index, const Pose& last_X_AB, const Pose& X_AB,
+                                      const ContactState& state) const {
+  if (state.Withheld(index) > 0) return {};  // it may overlap
+  const ContactPair& pair = pairs_[index];
+  const double moved = Moved(pair, last_X_AB, X_AB);
+  const Separation* before = state.SeparationOf(index);
+  if (before && Moved(pair, before->X_AB, X_AB) + moved <= before->clearance) return *before;
+  const double bound = pair.web->Clearance(X_AB, moved);
+  return bound > moved ? Separation{index, X_AB, bound} : Separation{};
+}
+
 std::vector<Separation> ContactModel::Separations(const ContactState& state,
                                                   const LoadedSprings& loaded) const {
   std::vector<Separation> all(loaded.idle.size());
+  const Forces* last = state.forces.get();
   ParallelFor(static_cast<int>(all.size()), threads_, [&](int i, int) {
-    Separation& apart = all[i];
-    apart.pair = loaded.idle[i];
-    apart.clearance = 0;
-    if (state.Withheld(apart.pair) > 0) return;  // it may overlap
-    const ContactPair& pair = pairs_[apart.pair];
-    apart.X_AB = PoseOf(pair, loaded.X_FB);
-    const Forces* last = state.forces.get();
-    const double moved = last ? Moved(pair, PoseOf(pair, last->loaded->X_FB), apart.X_AB) : 0;
-    const Separation* before = state.SeparationOf(apart.pair);
-    if (before && Moved(pair, before->X_AB, apart.X_AB) + moved <= before->clearance) {
-      apart = *before;
-    } else if (const double bound = pair.web->Clearance(apart.X_AB, moved); bound > moved) {
-      apart.clearance = bound;
-    }
+    const ContactPair& pair = pairs_[loaded.idle[i]];
+    const Pose X_AB = PoseOf(pair, loaded.X_FB);
+    const Pose last_X_AB = last ? PoseOf(pair, last->loaded->X_FB) : X_AB;
+    all[i] = SeparationOf(loaded.idle[i], last_X_AB, X_AB, state);
   });
   std::erase_if(all, [](const Separation& apart) { return !(apart.clearance > 0); });
   return all;

@@ -44,9 +44,14 @@ class ContactModel {
                                               const ContactState* state) const;
 
   // Pair by pair, for callers that move bodies about until forces balance: the loaded springs of
-  // one pair, and their forces; `stretches` and `springs` have an entry a spring.
-  void FindPair(int pair, std::span<const Pose> X_FB, const ContactState* state,
+  // one pair, and their forces; `stretches` and `springs` have an entry a spring. FindPair relies on
+  // what is known of the pair's surroundings, from the state or in `found`; false where it had to
+  // search all the same.
+  bool FindPair(int pair, std::span<const Pose> X_FB, const ContactState* state,
                 PairSprings* found) const;
+  // Sets what is known of the surroundings where this was found, if the way from the last search is
+  // so short that it will serve.
+  void LookAround(const Pose& last_X_AB, const ContactState* state, PairSprings* found) const;
   PairForce ComputePair(const PairSprings& found, std::span<const Pose> X_FB,
                         std::span<const Twist> V_FB, const ContactState* state,
                         std::span<Stretch> stretches, std::span<SpringForce> springs) const;
@@ -96,6 +101,9 @@ class ContactModel {
   Pose PoseOf(const ContactPair& pair, std::span<const Pose> X_FB) const;
   // [m] No point of the smaller geometry moves farther, relative to the other.
   double Moved(const ContactPair& pair, const Pose& before_X_AB, const Pose& X_AB) const;
+  // Of a pair that bears nothing, moved from one pose to another; clearance 0: not worth knowing.
+  Separation SeparationOf(int pair, const Pose& last_X_AB, const Pose& X_AB,
+                          const ContactState& state) const;
   // Of the idle pairs, those of which it is worth knowing.
   std::vector<Separation> Separations(const ContactState& state, const LoadedSprings& loaded) const;
   std::shared_ptr<ContactState> Next(const ContactState& state, double time,

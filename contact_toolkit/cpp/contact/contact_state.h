@@ -9,7 +9,7 @@
 #include "contact/anchors.h"
 #include "contact/easing.h"
 #include "contact/forces.h"
-#include "contact/separation.h"
+#include "contact/surroundings.h"
 #include "web/spring_web.h"
 
 namespace contact_toolkit {

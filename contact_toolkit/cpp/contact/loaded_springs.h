@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "contact/surroundings.h"
 #include "math/vec.h"
 #include "web/spring_set.h"
 
@@ -15,6 +16,7 @@ struct PairSprings {
   Pose X_FA;      // geometry A in the common frame
   Pose X_AB;      // geometry B in geometry A, the frame of the springs
   SpringSet springs;
+  Surroundings known;  // what the next search near here may rely on
 };
 
 // Storage is kept between uses: only the first `size` entries of `loaded` mean anything.

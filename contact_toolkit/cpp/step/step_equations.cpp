@@ -175,7 +175,10 @@ void StepEquations::Evaluate(const std::vector<const StepIsland*>& islands,
   ParallelFor(static_cast<int>(active.size()), model_.threads(), [&](int i, int) {
     StepWork& work = works_[active[i]];
     work.found.springs.slopes.wanted = slopes == Slopes::kFound;
-    model_.FindPair(work.found.pair, X_FB_, &state_, &work.found);
+    const Pose last_X_AB = work.found.X_AB;
+    const bool known = model_.FindPair(work.found.pair, X_FB_, &state_, &work.found);
+    if (!known && work.tried) model_.LookAround(last_X_AB, &state_, &work.found);
+    work.tried = true;
     const std::size_t size = work.found.springs.size();
     work.stretches.resize(size);
     work.springs.resize(size);

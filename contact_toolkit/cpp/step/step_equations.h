@@ -25,6 +25,7 @@ struct StepWork {
   std::vector<Stretch> stretches;
   std::vector<SpringForce> springs;
   PairForce total;
+  bool tried = false;  // `found` is of an earlier trial
 };
 
 // The spatial inertia of a floating tree about Ro, in F.

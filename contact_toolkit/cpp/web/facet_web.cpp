@@ -50,13 +50,17 @@ void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   Load(pairs, X_AB, springs);
 }
 
-void FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
+bool FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& candidates = static_cast<const Candidates&>(memory).pairs;
-  if (!candidates.Covers(X_AB, standoff_)) return FindSprings(X_AB, springs);
+  if (!candidates.Covers(X_AB, standoff_)) {
+    FindSprings(X_AB, springs);
+    return false;
+  }
   auto& pairs = Scratch<WitnessPairs>([] {});
   auto& measured = Scratch<MeasuredRows>([] {});
   candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs, &measured);
   Load(pairs, X_AB, springs);
+  return true;
 }
 
 std::shared_ptr<const WebMemory> FacetWeb::Remember(const SpringSet& /*springs*/,

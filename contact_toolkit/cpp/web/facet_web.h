@@ -25,7 +25,7 @@ class FacetWeb final : public SpringWeb {
            double n, double standoff, Weighting weighting);
 
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
-  void RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
+  bool RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
   std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
                                             const Pose& X_AB,
                                             std::shared_ptr<const WebMemory> before) const override;

@@ -29,10 +29,12 @@ class SpringWeb {
   // Replaces what `springs` held; rows in an order fixed by the geometries and the pose.
   virtual void FindSprings(const Pose& X_AB, SpringSet* springs) const = 0;
 
-  // The same, to the bit, with the help of what Remember() returned at an earlier pose.
-  virtual void RecallSprings(const WebMemory& /*memory*/, const Pose& X_AB,
+  // The same, to the bit, with the help of what Remember() returned at an earlier pose; false where
+  // that did not help.
+  virtual bool RecallSprings(const WebMemory& /*memory*/, const Pose& X_AB,
                              SpringSet* springs) const {
     FindSprings(X_AB, springs);
+    return false;
   }
 
   // What to remember after a step from one pose to another, where it found these springs: `before`,

@@ -17,6 +17,7 @@ constexpr double kFinest = 0.25;   // spacing on sharp edges, as a fraction of t
 constexpr double kGradedOver = 2;  // spacings over which it grows back
 constexpr double kShareOfSide = 0.126;  // the largest triangle, of a flat side's diameter: the
                                         // moment of friction of a square is 1.2 % too large
+constexpr double kWellShaped = 1.5;     // a triangle's edges, of the shortest one's length
 constexpr int kPatchTriangles = 400;    // at most
 constexpr int kMostCuts = 5;            // of a triangle, until its parts are a patch of their own
 constexpr double kPatchParts = 4000;    // aimed at
@@ -25,6 +26,101 @@ constexpr double kMostPatches = 50000;  // about: a plate of sheet metal under a
 constexpr int kLeafTriangles = 8;
 
 double AreaOf(const std::array<Vec3, 3>& t) { return 0.5 * Norm(Cross(t[1] - t[0], t[2] - t[0])); }
+
+// Calls emit(part) for the parts of a triangle, two of whose edges are long beside its third, from
+// a to b: these edges are cut into pieces about as long as that, and what lies between is stitched
+// together. Cut in the middle again and again such a triangle would leave ever narrower ones.
+template <typename Splits, typename Emit>
+bool CutAcross(const Vec3& apex, const Vec3& a, const Vec3& b, const Splits& splits,
+               const Emit& emit) {
+  const double enough = kWellShaped * kWellShaped * SquaredNorm(b - a);
+  const auto pieces = [&](const Vec3& end) {
+    std::vector<Vec3> points{apex}, ends{end};
+    while (!ends.empty()) {
+      const Vec3 &from = points.back(), to = ends.back();
+      if (SquaredNorm(to - from) > enough && splits(from, to)) {
+        ends.push_back(0.5 * (from + to));
+      } else {
+        points.push_back(to);
+        ends.pop_back();
+      }
+    }
+    return points;
+  };
+  const std::vector<Vec3> p = pieces(a), q = pieces(b);
+  if (p.size() == 2 && q.size() == 2) return false;
+  emit({apex, p[1], q[1]});
+  for (std::size_t i = 1, j = 1; i + 1 < p.size() || j + 1 < q.size();) {
+    const bool along_p =
+        j + 1 == q.size() ||
+        (i + 1 < p.size() && SquaredNorm(q[j] - p[i + 1]) < SquaredNorm(q[j + 1] - p[i]));
+    if (along_p) {
+      emit({p[i], p[i + 1], q[j]});
+      ++i;
+    } else {
+      emit({p[i], q[j + 1], q[j]});
+      ++j;
+    }
+  }
+  return true;
+}
+
+// Calls emit(part) for the parts of a triangle whose edges are cut at between(a, b) where
+// splits(a, b) asks for it; false where it needs no cut.
+template <typename Splits, typename Between, typename Emit>
+bool CutInHalves(const std::array<Vec3, 3>& t, const Splits& splits, const Between& between,
+                 const Emit& emit) {
+  bool split[3];
+  int count = 0, first = -1;
+  for (int k = 0; k < 3; ++k) {
+    split[k] = splits(t[k], t[(k + 1) % 3]);
+    if (split[k]) ++count, first = k;
+  }
+  const auto middle = [&](int k) { return between(t[k % 3], t[(k + 1) % 3]); };
+  if (count == 3) {
+    const Vec3 m[3] = {middle(0), middle(1), middle(2)};
+    emit({t[0], m[0], m[2]});
+    emit({m[0], t[1], m[1]});
+    emit({m[2], m[1], t[2]});
+    emit({m[0], m[1], m[2]});
+  } else if (count == 1) {
+    const Vec3 &a = t[first], &b = t[(first + 1) % 3], &c = t[(first + 2) % 3], m = middle(first);
+    emit({a, m, c});
+    emit({m, b, c});
+  } else if (count == 2) {
+    // Turned so that the edge from b to c stays whole; the quadrilateral by its shorter diagonal.
+    int k = 0;
+    while (split[(k + 1) % 3]) ++k;
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3], &c = t[(k + 2) % 3];
+    const Vec3 ab = middle(k), ca = middle(k + 2);
+    emit({a, ab, ca});
+    if (SquaredNorm(c - ab) < SquaredNorm(b - ca)) {
+      emit({ab, b, c});
+      emit({ab, c, ca});
+    } else {
+      emit({ab, b, ca});
+      emit({b, c, ca});
+    }
+  }
+  return count > 0;
+}
+
+// The same in the middle, after what is too narrow for that.
+template <typename Splits, typename Emit>
+bool CutOnce(const std::array<Vec3, 3>& t, const Splits& splits, const Emit& emit) {
+  double squared[3];
+  for (int k = 0; k < 3; ++k) squared[k] = SquaredNorm(t[(k + 1) % 3] - t[k]);
+  const int base = static_cast<int>(std::min_element(squared, squared + 3) - squared);
+  return CutAcross(t[(base + 2) % 3], t[base], t[(base + 1) % 3], splits, emit) ||
+         CutInHalves(t, splits, [](const Vec3& a, const Vec3& b) { return 0.5 * (a + b); }, emit);
+}
+
+// Calls emit(part) for the parts that need no further cut.
+template <typename Splits, typename Emit>
+void CutUntil(const std::array<Vec3, 3>& t, const Splits& splits, const Emit& emit) {
+  const auto again = [&](const std::array<Vec3, 3>& part) { CutUntil(part, splits, emit); };
+  if (!CutOnce(t, splits, again)) emit(t);
+}
 
 // What falls to each node of a patch, by how often the triangles around it are cut: fixed in the
 // mesh, so that a node's friction is as stiff whatever of its surroundings bears load.
@@ -142,53 +238,14 @@ bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
   return around > share * round_.across || along > share * round_.along;
 }
 
-// Calls emit(part) for the two to four parts of a triangle; false where it needs no cut.
 template <typename Emit>
-bool AreaNodes::Cut(const Corners& t, const Emit& emit) const {
-  bool split[3];
-  int count = 0, first = -1;
-  const bool round = round_.IsRound(t);
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
-    split[k] = round ? SplitsRound(a, b) : Splits(a, b);
-    if (split[k]) ++count, first = k;
+bool AreaNodes::Cut(const Corners& triangle, const Emit& emit) const {
+  if (!round_.IsRound(triangle)) {
+    return CutOnce(triangle, [&](const Vec3& a, const Vec3& b) { return Splits(a, b); }, emit);
   }
-  const auto middle = [&](int k) {
-    const Vec3 between = 0.5 * (t[k % 3] + t[(k + 1) % 3]);
-    return round ? round_.Raised(between) : between;
-  };
-  if (count == 3) {
-    const Vec3 m[3] = {middle(0), middle(1), middle(2)};
-    emit(Corners{t[0], m[0], m[2]});
-    emit(Corners{m[0], t[1], m[1]});
-    emit(Corners{m[2], m[1], t[2]});
-    emit(Corners{m[0], m[1], m[2]});
-  } else if (count == 1) {
-    const Vec3 &a = t[first], &b = t[(first + 1) % 3], &c = t[(first + 2) % 3], m = middle(first);
-    emit(Corners{a, m, c});
-    emit(Corners{m, b, c});
-  } else if (count == 2) {
-    // Turned so that the edge from b to c stays whole; the quadrilateral by its shorter diagonal.
-    int k = 0;
-    while (split[(k + 1) % 3]) ++k;
-    const Vec3 &a = t[k], &b = t[(k + 1) % 3], &c = t[(k + 2) % 3];
-    const Vec3 ab = middle(k), ca = middle(k + 2);
-    emit(Corners{a, ab, ca});
-    if (SquaredNorm(c - ab) < SquaredNorm(b - ca)) {
-      emit(Corners{ab, b, c});
-      emit(Corners{ab, c, ca});
-    } else {
-      emit(Corners{ab, b, ca});
-      emit(Corners{b, c, ca});
-    }
-  }
-  return count > 0;
-}
-
-// Calls emit(part) for the parts that are small(part) or need no further cut.
-template <typename Small, typename Emit>
-void AreaNodes::CutUntil(const Small& small, const Corners& t, const Emit& emit) const {
-  if (small(t) || !Cut(t, [&](const Corners& part) { CutUntil(small, part, emit); })) emit(t);
+  return CutInHalves(
+      triangle, [&](const Vec3& a, const Vec3& b) { return SplitsRound(a, b); },
+      [&](const Vec3& a, const Vec3& b) { return round_.Raised(0.5 * (a + b)); }, emit);
 }
 
 void AreaNodes::BuildPatches() {
@@ -214,9 +271,8 @@ void AreaNodes::BuildPatches() {
     if (!(AreaOf(whole) > 0)) continue;
     const double largest =
         std::min(longest, kShareOfSide * flats.sides[flats.of_facet[facet]].diameter);
-    const auto small = [&](const Corners& t) {
-      return std::max({SquaredNorm(t[1] - t[0]), SquaredNorm(t[2] - t[1]),
-                       SquaredNorm(t[0] - t[2])}) <= largest * largest;
+    const auto splits = [&](const Vec3& a, const Vec3& b) {
+      return SquaredNorm(b - a) > largest * largest && Splits(a, b);
     };
     const auto add = [&](const Corners& t) {
       const double cell = round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;
@@ -228,10 +284,12 @@ void AreaNodes::BuildPatches() {
       side_of_root_.push_back(sides[facet]);
       ++triangles, parts += expected;
     };
-    if (round_.IsRound(whole) && round_.OnSide(whole)) {
+    if (!round_.IsRound(whole)) {
+      CutUntil(whole, splits, add);
+    } else if (round_.OnSide(whole)) {
       round_.CutSide(whole, add);
     } else {
-      CutUntil(small, whole, add);
+      add(whole);
     }
   }
   close();

@@ -99,8 +99,6 @@ class AreaNodes {
   bool SplitsRound(const Vec3& a, const Vec3& b) const;
   template <typename Emit>
   bool Cut(const Corners& triangle, const Emit& emit) const;
-  template <typename Small, typename Emit>
-  void CutUntil(const Small& small, const Corners& triangle, const Emit& emit) const;
   class Numbering;
   std::unique_ptr<AreaPatch> MakePatch(std::int32_t index) const;
   std::unique_ptr<AreaParts> MakeParts(std::int32_t index) const;

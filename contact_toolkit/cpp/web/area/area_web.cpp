@@ -367,10 +367,13 @@ void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
   if (fillets_ && springs->withheld == 0) fillets_->AddSprings(X_AB, springs);
 }
 
-void AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
+bool AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& near = static_cast<const AreaMemory&>(memory);
   const double motion = near.Motion(PoseOfSampled(X_AB));
-  if (!(motion <= near.slack)) return FindSprings(X_AB, springs);
+  if (!(motion <= near.slack)) {
+    FindSprings(X_AB, springs);
+    return false;
+  }
   if (smooth_) {
     const SmoothProbe probe(*smooth_, *bounds_, options_.standoff);
     Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
@@ -379,6 +382,7 @@ void AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet
     Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
   }
   if (fillets_ && springs->withheld == 0) fillets_->AddSprings(X_AB, springs);
+  return true;
 }
 
 std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, const Pose& last_X_AB,

@@ -58,7 +58,7 @@ class AreaWeb final : public SpringWeb {
   // its facets is loaded. Whichever body is sampled, rows speak of A and B as SpringSet says.
   void FindSprings(const Pose& X_AB, SpringSet* springs) const override;
 
-  void RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
+  bool RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
 
   std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
                                             const Pose& X_AB,
