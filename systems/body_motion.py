@@ -31,6 +31,11 @@ class BodyMotion:
         The plant's body for each body (row) of the model.
     lists_only
         Read floating bodies from the lists too.
+
+    Attributes
+    ----------
+    uses_state, uses_lists
+        Whether a body is read from the state, from the lists.
     """
 
     def __init__(
@@ -53,6 +58,7 @@ class BodyMotion:
             else:
                 self._listed.append((row, index))
         self._starts = list(zip(rows, q_start, v_start, strict=True))
+        self.uses_state, self.uses_lists = bool(self._starts), bool(self._listed)
         self._floating = FloatingBodies(
             rows,
             q_start,
@@ -61,16 +67,6 @@ class BodyMotion:
             num_positions=plant.num_positions(),
             num_velocities=plant.num_velocities(),
         )
-
-    @property
-    def uses_state(self) -> bool:
-        """Whether a body is read from the state."""
-        return bool(self._starts)
-
-    @property
-    def uses_lists(self) -> bool:
-        """Whether a body is read from the lists."""
-        return bool(self._listed)
 
     @property
     def floating(self) -> list[tuple[int, int, int]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from weakref import WeakMethod
+from types import MethodType
+from weakref import ref
 
 from pydrake.common.value import AbstractValue, Value
 from pydrake.systems.framework import Context, ValueProducer
@@ -21,11 +22,10 @@ def producer(calc: Callable[[Context, AbstractValue], None]) -> ValueProducer:
 
     The entry does not own the method: the circle of system, entry and method would never be freed.
     """
-    method = WeakMethod(calc)
+    assert isinstance(calc, MethodType)
+    owner, function = ref(calc.__self__), calc.__func__
 
     def calc_weakly(context: Context, value: AbstractValue) -> None:
-        bound = method()
-        assert bound is not None  # a system evaluates its own cache
-        bound(context, value)
+        function(owner(), context, value)  # alive: a system evaluates its own cache
 
     return ValueProducer(allocate=Value[object], calc=calc_weakly)

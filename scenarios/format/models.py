@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from dataclasses import asdict
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,8 @@ import trimesh
 
 from contact_toolkit import CollisionMesh
 from scenarios.format.part import Part
-from scenarios.parts import Surface, make_part, write_obj
+from scenarios.parts import Surface, make_part
+from scenarios.parts.obj_file import obj_text
 
 PACKAGE = "parts"
 
@@ -79,19 +83,31 @@ def write_models(parts: Mapping[str, Part], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "package.xml").write_text(f"<package><name>{PACKAGE}</name></package>\n")
     for name, part in parts.items():
-        surface = surface_of(part)
-        write_obj(folder / f"{name}.obj", surface)
-        solid = trimesh.Trimesh(*surface, process=False)
-        if not solid.volume > 0.0:
-            raise ValueError(
-                f"parts.{name}: {part.mesh or part.generator} encloses a volume of "
-                f"{solid.volume:g} m³, so it has no mass; close it and wind it outward"
-            )
-        solid.density = part.mass / solid.volume if part.mass else part.density
-        inertia, (x, y, z) = np.asarray(solid.moment_inertia), solid.center_mass.tolist()
-        axes = {"x": 0, "y": 1, "z": 2}
-        moments = {f"i{a}{b}": float(inertia[axes[a], axes[b]]) for a in axes for b in axes}
-        rgba = " ".join(str(channel) for channel in part.rgba)
-        said = {"name": name, "mass": float(solid.mass), "x": x, "y": y, "z": z, "rgba": rgba}
-        for kind, text in {"sdf": _SDF, "urdf": _URDF}.items():
-            (folder / f"{name}.{kind}").write_text(text.format(**said, **moments))
+        files = _files_of(name, part) if part.mesh else _generated(name, json.dumps(asdict(part)))
+        for kind, text in files.items():
+            (folder / f"{name}.{kind}").write_text(text)
+
+
+@lru_cache(maxsize=32)  # runs of a sweep differ in few parts
+def _generated(name: str, part: str) -> dict[str, str]:
+    return _files_of(name, Part(**json.loads(part)))
+
+
+def _files_of(name: str, part: Part) -> dict[str, str]:
+    """Return the contents of a part's files by their suffixes."""
+    surface = surface_of(part)
+    solid = trimesh.Trimesh(*surface, process=False)
+    if not solid.volume > 0.0:
+        raise ValueError(
+            f"parts.{name}: {part.mesh or part.generator} encloses a volume of "
+            f"{solid.volume:g} m³, so it has no mass; close it and wind it outward"
+        )
+    solid.density = part.mass / solid.volume if part.mass else part.density
+    inertia, (x, y, z) = np.asarray(solid.moment_inertia), solid.center_mass.tolist()
+    axes = {"x": 0, "y": 1, "z": 2}
+    moments = {f"i{a}{b}": float(inertia[axes[a], axes[b]]) for a in axes for b in axes}
+    rgba = " ".join(str(channel) for channel in part.rgba)
+    said = {"name": name, "mass": float(solid.mass), "x": x, "y": y, "z": z, "rgba": rgba}
+    models = {"sdf": _SDF, "urdf": _URDF}
+    files = {kind: text.format(**said, **moments) for kind, text in models.items()}
+    return files | {"obj": obj_text(surface)}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, get_origin, get_type_hints
 
 from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 
@@ -34,8 +36,44 @@ def typed(schema: type[Loaded], raw: dict[str, Any], where: str) -> Loaded:
 
 
 def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
-    loaded: Loaded = yaml_load_typed(schema=schema, data=yaml_dump(raw))
-    return loaded
+    """Convert entry by entry: the loader is slow, and runs of a sweep differ in few entries.
+
+    Mappings are sorted, as Drake dumps them: their order does not depend on where they were kept.
+    """
+    kinds = {name: get_origin(kind) for name, kind in get_type_hints(schema).items()}
+    values: dict[str, Any] = {}
+    for key, value in raw.items():
+        if key.startswith("_"):  # private to the file, as Drake has it
+            continue
+        if kinds.get(key) is dict and isinstance(value, dict):
+            values[key] = {}
+            for name, entry in sorted(value.items()):
+                values[key] |= _entry(schema, key, {name: entry})
+        elif kinds.get(key) is list and isinstance(value, list):
+            values[key] = [_entry(schema, key, [entry])[0] for entry in value]
+        else:
+            values[key] = _entry(schema, key, value)
+    return schema(**values)
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """A key of a schema with a raw value; equal to others that say the same."""
+
+    schema: type
+    key: str
+    said: str
+    value: Any = field(compare=False)
+
+
+def _entry(schema: type, key: str, value: Any) -> Any:
+    return deepcopy(_converted(_Entry(schema, key, repr(value), value)))
+
+
+@lru_cache(maxsize=256)
+def _converted(entry: _Entry) -> Any:
+    data = yaml_dump({entry.key: entry.value})
+    return getattr(yaml_load_typed(schema=entry.schema, data=data), entry.key)
 
 
 def _explain(error: Exception, schema: type, raw: dict[str, Any]) -> str:

@@ -7,10 +7,15 @@ from pathlib import Path
 from scenarios.parts.surface import Surface
 
 
-def write_obj(path: Path, surface: Surface) -> Path:
-    """Write (vertices, faces) to `path`, every coordinate to the last bit; return the path."""
+def obj_text(surface: Surface) -> str:
+    """Return the contents of an OBJ file, every coordinate to the last bit."""
     vertices, faces = surface
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return "\n".join(lines) + "\n"
+
+
+def write_obj(path: Path, surface: Surface) -> Path:
+    """Write (vertices, faces) to `path`, every coordinate to the last bit; return the path."""
+    path.write_text(obj_text(surface), encoding="ascii")
     return path

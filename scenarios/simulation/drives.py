@@ -5,7 +5,6 @@ from __future__ import annotations
 import bisect
 import math
 
-import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -36,17 +35,17 @@ class JointDrives(LeafSystem):
             )
         self._num_actuators = plant.num_actuated_dofs()
         size = plant.num_positions() + plant.num_velocities()
-        self.DeclareVectorInputPort("state", size)
+        self._state = self.DeclareVectorInputPort("state", size)
         self.DeclareVectorOutputPort(
             "actuation",
             self._num_actuators,
             self._drive,
-            {self.time_ticket(), self.input_port_ticket(self.get_input_port().get_index())},
+            {self.time_ticket(), self.input_port_ticket(self._state.get_index())},
         )
 
     def _drive(self, context: Context, output: BasicVector) -> None:
-        time, state = context.get_time(), self.get_input_port().Eval(context)
-        actuation = np.zeros(self._num_actuators)
+        time, state = context.get_time(), self._state.Eval(context).tolist()
+        actuation = [0.0] * self._num_actuators
         for course, actuator, position, velocity in self._driven:
             actuation[actuator] = course.effort(time, state[position], state[velocity])
         output.SetFromVector(actuation)
@@ -71,7 +70,7 @@ class Course:
             + drive.stiffness * (value - position)
             + drive.damping * (rate - velocity)
         )
-        return min(max(float(effort), -drive.force_limit), drive.force_limit)
+        return min(max(effort, -drive.force_limit), drive.force_limit)
 
     def value(self, time: float) -> tuple[float, float, float]:
         """Return the value, its rate, and the second derivative of the oscillation."""

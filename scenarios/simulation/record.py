@@ -97,13 +97,15 @@ def collect(assembly: Assembly, root: Context) -> Record:
     data = {name: log.data()[:, :samples].T for name, log in logs.items()}
     bodies = _moving_bodies(plant)
     mechanics = np.empty((samples, 2))
-    motion = np.empty((samples, len(bodies), 11))
+    X_WB, V_WB = np.empty((samples, len(bodies), 4, 4)), np.empty((samples, len(bodies), 6))
     context = plant.CreateDefaultContext()
     for sample, state in enumerate(data["state"]):
         plant.SetPositionsAndVelocities(context, state)
         mechanics[sample] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
         for index, body in enumerate(bodies):
-            motion[sample, index] = _motion(plant, context, body)
+            X_WB[sample, index] = body.EvalPoseInWorld(context).GetAsMatrix4()
+            V_WB[sample, index] = body.EvalSpatialVelocityInWorld(context).get_coeffs()
+    motion = _motion(X_WB, V_WB)
 
     normal, tangential, *losses = data["energies"].T
     time = logs["state"].sample_times()[:samples].copy()
@@ -149,12 +151,9 @@ def _moving_bodies(plant: MultibodyPlant) -> list[RigidBody]:
     return [body for body in bodies if body.index() not in fixed]
 
 
-def _motion(plant: MultibodyPlant, context: Context, body: RigidBody) -> Column:
-    X_WB = plant.EvalBodyPoseInWorld(context, body)
-    V_WB = plant.EvalBodySpatialVelocityInWorld(context, body)
-    R_WB = X_WB.rotation().matrix()
-    tilt = np.arctan2(np.hypot(R_WB[0, 2], R_WB[1, 2]), R_WB[2, 2])
-    yaw = np.arctan2(R_WB[1, 0], R_WB[0, 0])
-    return np.concatenate(
-        [X_WB.translation(), [tilt, yaw], V_WB.rotational(), V_WB.translational()]
-    )
+def _motion(X_WB: Column, V_WB: Column) -> Column:
+    """Return what is recorded (…, 11) of poses (…, 4, 4) and velocities (…, 6)."""
+    tilt = np.arctan2(np.hypot(X_WB[..., 0, 2], X_WB[..., 1, 2]), X_WB[..., 2, 2])
+    yaw = np.arctan2(X_WB[..., 1, 0], X_WB[..., 0, 0])
+    angles = np.stack([tilt, yaw], axis=-1)
+    return np.concatenate([X_WB[..., :3, 3], angles, V_WB], axis=-1)

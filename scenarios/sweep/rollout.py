@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+import shutil
 import tempfile
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,7 @@ from scenarios.sweep.outcome import Outcome
 
 _LOOK = 16  # steps between two looks at the state
 _DIVERGED = 1e9  # [m, rad, m/s …] beyond this no state of a scenario means anything
+_mine = threading.local()
 
 
 def rollout(
@@ -74,10 +78,10 @@ def run_once(
     summary = Summary(name)
     recorded = None
     try:
-        with tempfile.TemporaryDirectory(prefix="rollout-") as folder, kept_warnings([]):
-            assembly = assemble(scenario, Path(folder))
+        with _models_folder() as folder, kept_warnings([]):
+            assembly = assemble(scenario, folder)
             simulator = assembly.simulator(scenario)
-        _Meshes.keep(assembly)
+        _keep(assembly)
         with kept_warnings([]):
             advance(
                 simulator,
@@ -108,6 +112,20 @@ def run_once(
     )
 
 
+@contextmanager
+def _models_folder() -> Iterator[Path]:
+    """Give a folder, of the same name for all runs of a thread: equal meshes have equal paths."""
+    folder: Path | None = getattr(_mine, "folder", None)
+    if folder is None:
+        folder = _mine.folder = Path(tempfile.mkdtemp(prefix="rollout-"))
+    else:
+        folder.mkdir(mode=0o700)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder)
+
+
 def _limits(
     assembly: Assembly, deadline: float, time_out: float
 ) -> Callable[[Simulator, Context], None]:
@@ -130,11 +148,12 @@ def _require_sane(assembly: Assembly, context: Context) -> None:
         raise ArithmeticError(f"diverged at {context.get_time():.4g} s")
 
 
-class _Meshes:
-    """Keeps the last run's contact alive: equal meshes, hierarchies and fields are not rebuilt."""
+def _keep(assembly: Assembly) -> None:
+    """Keep a run's contact until the thread's next: equal meshes, hierarchies and fields stay.
 
-    _last: Assembly | None = None
-
-    @classmethod
-    def keep(cls, assembly: Assembly) -> None:
-        cls._last = assembly
+    pydrake never frees a Python system that was in a diagram, so the one before is emptied.
+    """
+    last: Assembly | None = getattr(_mine, "last", None)
+    _mine.last = assembly
+    if last is not None:
+        last.contact.__dict__.clear()

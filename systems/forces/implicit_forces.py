@@ -58,6 +58,32 @@ class StepRecord(NamedTuple):
         return StepRecord, (self.state, self.x, arrays, self.step, self.reported)
 
 
+class Arrival(NamedTuple):
+    """Where the last step led.
+
+    Attributes
+    ----------
+    record
+        Of that step.
+    x
+        The plant's state, (nq + nv).
+    ahead
+        Whether the recorded step starts here, the plant not yet having taken it.
+    state, forces
+        Of contact.
+    """
+
+    record: StepRecord
+    x: Floats
+    ahead: bool
+    state: ContactState
+    forces: Forces
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Arrival:
+        """Return itself, as `StepRecord` does."""
+        return self
+
+
 class ImplicitForces(ForceSource):
     """Puts out, at the start of a step, the forces at its end.
 
@@ -112,22 +138,20 @@ class ImplicitForces(ForceSource):
     def _eval_record(self, context: Context) -> StepRecord:
         return context.get_abstract_state(self._record).get_value()
 
-    def _is_ahead(self, record: StepRecord, context: Context, time: float) -> bool:
-        """Whether the recorded step starts here, the plant not yet having taken it."""
-        return (
-            record.step is not None
-            and abs(time - record.step.solution.start_time) < self._half_step
-            and record.x == self._motion.state.Eval(context).tobytes()
-        )
-
     def _arrive(self, context: Context, output: AbstractValue) -> None:
         """Make the contact state and the forces at the end of the step that led here."""
         record, time = self._eval_record(context), context.get_time()
-        if self._is_ahead(record, context, time):
-            output.set_value((record.state, record.state.forces))
+        x = self._motion.state.Eval(context)
+        solution = record.step.solution if record.step else None
+        if (
+            solution is not None
+            and abs(time - solution.start_time) < self._half_step
+            and record.x == x.tobytes()
+        ):
+            assert record.state.forces is not None
+            output.set_value(Arrival(record, x, True, record.state, record.state.forces))
             return
         X_WB, V_WB = self._motion.read(context)
-        solution = record.step.solution if record.step else None
         if solution is not None and abs(time - solution.end_time) < self._half_step:
             forces = solution.forces
             if not forces.are_at(X_WB, V_WB):
@@ -136,17 +160,15 @@ class ImplicitForces(ForceSource):
         else:
             forces = self._model.evaluate(X_WB, V_WB, record.state)
             state = self._model.advance(record.state, time, forces)
-        output.set_value((state, forces))
+        output.set_value(Arrival(record, x, False, state, forces))
 
     def _solve(self, context: Context, output: AbstractValue) -> None:
-        record, time = self._eval_record(context), context.get_time()
+        record, x, ahead, state, _ = self._present.Eval(context)
         inputs = self._inputs.read(context)
-        if self._is_ahead(record, context, time) and _same(record.inputs, inputs):
+        if ahead and _same(record.inputs, inputs):
             output.set_value(record)
             return
-        state, _ = self._present.Eval(context)
-        x = self._motion.state.Eval(context)
-        last = record.step
+        time, last = context.get_time(), record.step
         if last is not None and abs(time - last.solution.end_time) >= self._half_step:
             last = None
         step = self._implicit_step().solve(time, x, inputs, state, last)
@@ -179,10 +201,10 @@ class ImplicitForces(ForceSource):
         )
 
     def forces(self, context: Context) -> Forces:
-        return self._present.Eval(context)[1]
+        return self._present.Eval(context).forces
 
     def present_state(self, context: Context) -> ContactState:
-        return self._present.Eval(context)[0]
+        return self._present.Eval(context).state
 
     def generalized_forces(self, context: Context) -> Floats:
         return self._solved.Eval(context).step.generalized_forces
@@ -205,7 +227,8 @@ class ImplicitForces(ForceSource):
     def advance(self, context: Context, state: State) -> None:
         record: StepRecord = self._solved.Eval(context)
         assert record.step is not None
-        reported = self._watch.check_depth(record.reported, self.forces(context))
+        assert record.state.forces is not None
+        reported = self._watch.check_depth(record.reported, record.state.forces)
         reported = self._step_watch.check(reported, record.step)
         if reported is not record.reported:
             record = record._replace(reported=reported)

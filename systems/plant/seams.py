@@ -9,6 +9,7 @@ import dataclasses
 import logging
 from collections.abc import Iterator, Mapping
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from pydrake.geometry import GeometryId
@@ -28,6 +29,7 @@ Geometries = dict[GeometryId, ImportedGeometry]
 
 _SHOWN = 3  # names of what was united
 _log = logging.getLogger("contact_toolkit")
+_shells: WeakKeyDictionary[CollisionMesh, int] = WeakKeyDictionary()
 
 
 def unite_seams(
@@ -127,6 +129,12 @@ def _united(parts: list[ImportedGeometry]) -> ImportedGeometry | None:
 
 
 def _num_shells(mesh: CollisionMesh) -> int:
+    if mesh not in _shells:
+        _shells[mesh] = _count_shells(mesh)
+    return _shells[mesh]
+
+
+def _count_shells(mesh: CollisionMesh) -> int:
     corners = mesh.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
     links = coo_array((np.ones(corners.shape[1], bool), corners), shape=2 * [len(mesh.vertices)])
     label = connected_components(links, directed=False)[1]

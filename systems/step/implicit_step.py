@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, JointActuatorIndex, JointIndex
+from pydrake.multibody.tree import BodyIndex, JointActuatorIndex
 
 from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
@@ -17,6 +17,7 @@ from systems.step.linearized_step import LinearizedStep, StepSlopes
 from systems.step.plant_twin import PlantTwin, TwinAtState
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 # A plant step lands this close to where the solver put it, relative to the change of velocity.
 _TOLERANCE = 1e-6
@@ -101,6 +102,8 @@ class ImplicitStep:
         self._nq, self._nv = plant.num_positions(), plant.num_velocities()
         trees = _Trees(self._twin.plant, bodies, self._twin.touching)
         self._jointed = trees.jointed
+        links = {row: self._twin.plant.get_body(index) for row, index in trees.jointed.items()}
+        self._links = [(row, body, body.body_frame()) for row, body in links.items()]
         self._X_WB = trees.X_WB
         self._no_jacobian = np.zeros((len(bodies), 6, self._nv if self._jointed else 0))
         self._solver = StepSolver(
@@ -110,17 +113,17 @@ class ImplicitStep:
             v_start=trees.v_start,
             nv=trees.nv,
             q_start=trees.q_start,
-            inertia_R=np.array(trees.inertia_R),
+            inertia_R=trees.inertia_R,
             tree=trees.tree,
             X_RB=trees.X_RB,
         )
-        self._order = None if (np.diff(trees.order) == 1).all() else trees.order
+        self._order = trees.order
         self._dofs = trees.rest
         self._floats = not len(trees.rest)
         self._own = _implicit_terms(plant, self._step)
         # Forces move such a plant as A says, whatever else acts on it.
-        self._affine = self._floats and not plant.num_constraints()
-        self._gravity = self._known_gravity() if self._affine else None
+        self._affine = not (plant.num_constraints() or self._twin.touching or _is_limited(plant))
+        self._gravity = self._known_gravity() if self._affine and self._floats else None
 
     def solve(
         self,
@@ -147,7 +150,7 @@ class ImplicitStep:
                 state, time, self._step, q, v, self._gravity, self._X_WB
             )
             return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 1)
-        twin = self._twin.at(q, v, inputs)
+        twin = self._twin.at(x, inputs)
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
         v_free = twin.reached(outer)
@@ -156,9 +159,9 @@ class ImplicitStep:
         if stiffening is not None:
             inertia = own + stiffening
         X_WB, jacobian = self._X_WB, self._no_jacobian
-        if self._jointed:
-            X_WB, jacobian = X_WB.copy(), np.zeros_like(jacobian)
-            twin.kinematics_after(v, self._step, self._jointed, X_WB, jacobian)
+        if self._links:
+            X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
+            twin.kinematics_after(self._step, self._links, X_WB, jacobian)
         v_plain, before = v_free, np.inf
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
@@ -167,9 +170,8 @@ class ImplicitStep:
             if self._affine:
                 return SolvedStep(solution, aimed, forces, 0.0, round_)
             reached = twin.reached(outer + forces)
-            off = reached - aimed
-            mismatch = float(np.abs(off).max(initial=0.0))
-            if mismatch <= _TOLERANCE * (np.abs(reached - v).max() + np.abs(v_free - v).max()):
+            mismatch, led, free = np.abs([reached - aimed, reached - v, v_free - v]).max(axis=1)
+            if mismatch <= _TOLERANCE * (led + free):
                 break
             if round_ == _ROUNDS or mismatch > before / 2:
                 break
@@ -184,7 +186,7 @@ class ImplicitStep:
                 v_plain = reached - response
                 floating = np.setdiff1d(np.arange(self._nv), dofs)
                 v_plain[floating] = v_free[floating]
-        return SolvedStep(solution, aimed, forces, mismatch, round_, stiffening)
+        return SolvedStep(solution, aimed, forces, float(mismatch), round_, stiffening)
 
     def linearize(
         self,
@@ -208,7 +210,7 @@ class ImplicitStep:
         gravity = self._twin.plant.gravity_field().gravity_vector()
         x = self._twin.plant.GetPositionsAndVelocities(self._twin.default_context())
         q, v = x[: self._nq], np.linspace(0.5, 1.5, self._nv)
-        expected = self._twin.at(q, v, {}).reached(np.zeros(self._nv))
+        expected = self._twin.at(np.concatenate([q, v]), {}).reached(np.zeros(self._nv))
         found = self._solver.free_motion(q, v, self._step, gravity)
         return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
 
@@ -264,62 +266,82 @@ class _Trees:
     """The plant's degrees of freedom as the solver wants them.
 
     Each floating body, with what is welded to it, is a tree of its own, unless the plant has
-    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities make
-    one more tree, the last. `order` sorts velocities so.
+    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities, the
+    `rest`, make one more tree. Trees stand in the order of their velocities; only a rest with gaps
+    comes last, and `order` then sorts velocities so.
     """
 
     def __init__(
         self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], tied: set[BodyIndex]
     ) -> None:
         context = plant.CreateDefaultContext()
-        single = {}  # root of a floating tree → all bodies in it
-        if plant.num_constraints() == 0:
-            children = {
-                plant.get_joint(JointIndex(int(index))).parent_body().index()
-                for index in plant.GetJointIndices()
-                if plant.get_joint(JointIndex(int(index))).num_velocities() > 0
-            }
-            for index in plant.GetFloatingBaseBodies():
-                body = plant.get_body(index)
-                welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
-                if body.has_quaternion_dofs() and not welded & (children | tied):
-                    single[index] = welded
-        self.q_start: list[int] = []
-        self.inertia_R: list[Floats] = []
-        tree_of: dict[BodyIndex, tuple[int, BodyIndex]] = {}
-        order: list[int] = []
-        for tree, (root, welded) in enumerate(single.items()):
-            body = plant.get_body(root)
-            start = body.floating_velocities_start_in_v()
-            order += range(start, start + 6)
-            self.q_start.append(body.floating_positions_start())
-            inertia = plant.CalcSpatialInertia(context, body.body_frame(), sorted(welded, key=int))
-            self.inertia_R.append(inertia.CopyToFullMatrix6())
-            tree_of |= dict.fromkeys(welded, (tree, root))
-        self.v_start, self.nv = [6 * i for i in range(len(single))], [6] * len(single)
-        self.rest = np.setdiff1d(np.arange(plant.num_velocities()), order)
+        single = _floating_trees(plant, tied)
+        dofs: dict[BodyIndex | None, Integers] = {}  # of a tree, by the body that floats
+        for root in single:
+            start = plant.get_body(root).floating_velocities_start_in_v()
+            dofs[root] = np.arange(start, start + 6)
+        every = np.arange(plant.num_velocities())
+        self.rest = np.setdiff1d(every, np.concatenate([every[:0], *dofs.values()]))
+        gaps = bool((np.diff(self.rest) > 1).any())
         if len(self.rest):
-            self.v_start.append(len(order))
-            self.nv.append(len(self.rest))
-            self.q_start.append(-1)
-            self.inertia_R.append(np.zeros((6, 6)))
-        self.order = np.concatenate([np.array(order, int), self.rest])
+            dofs[None] = self.rest
+        roots = sorted(dofs, key=lambda root: (gaps and root is None, dofs[root][0]))
+        self.order = np.concatenate([dofs[root] for root in roots]) if gaps else None
+        self.nv = [len(dofs[root]) for root in roots]
+        self.v_start = [sum(self.nv[:i]) for i in range(len(roots))]
+        self.q_start = [-1] * len(roots)
+        self.inertia_R = np.zeros((len(roots), 6, 6))
+        for tree, root in enumerate(roots):
+            if root is not None:
+                floating, welded = plant.get_body(root), sorted(single[root], key=int)
+                self.q_start[tree] = floating.floating_positions_start()
+                inertia = plant.CalcSpatialInertia(context, floating.body_frame(), welded)
+                self.inertia_R[tree] = inertia.CopyToFullMatrix6()
+        root_of = {body: root for root, welded in single.items() for body in welded}
         self.X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
         self.X_RB = np.tile(np.eye(4), (len(bodies), 1, 1))
         self.tree = [-1] * len(bodies)
         self.jointed: dict[int, BodyIndex] = {}
         for row, index in enumerate(bodies):
             body = plant.get_body(index)
+            X_WB = plant.EvalBodyPoseInWorld(context, body)
             if plant.IsAnchored(body):
-                self.X_WB[row] = plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4()
-            elif index in tree_of:
-                self.tree[row], root = tree_of[index]
-                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
-                X_WB = plant.EvalBodyPoseInWorld(context, body)
-                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
-            else:
-                self.tree[row] = len(single)
+                self.X_WB[row] = X_WB.GetAsMatrix4()
+                continue
+            root = root_of.get(index)
+            self.tree[row] = roots.index(root)
+            if root is None:
                 self.jointed[row] = index
+            else:
+                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
+                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
+
+
+def _floating_trees(plant: MultibodyPlant, tied: set[BodyIndex]) -> dict[BodyIndex, set[BodyIndex]]:
+    """Return the bodies that float by themselves, and for each what is welded to it, itself too."""
+    if plant.num_constraints():
+        return {}
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    children = {each.parent_body().index() for each in joints if each.num_velocities() > 0}
+    single = {}
+    for index in plant.GetFloatingBaseBodies():
+        body = plant.get_body(index)
+        welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
+        if body.has_quaternion_dofs() and not welded & (children | tied):
+            single[index] = welded
+    return single
+
+
+def _is_limited(plant: MultibodyPlant) -> bool:
+    """Whether joints have limits or controllers, which push by where a step leads."""
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    limits = [(each.position_lower_limits(), each.position_upper_limits()) for each in joints]
+    actuators = (
+        plant.get_joint_actuator(JointActuatorIndex(i)) for i in range(plant.num_actuators())
+    )
+    return any(np.isfinite(both).any() for both in limits) or any(
+        each.has_controller() for each in actuators
+    )
 
 
 def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:

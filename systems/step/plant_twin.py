@@ -9,14 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, JacobianWrtVariable, JointActuatorIndex
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, State
+from pydrake.multibody.tree import (
+    BodyIndex,
+    JacobianWrtVariable,
+    JointActuatorIndex,
+    RigidBody,
+    RigidBodyFrame,
+)
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, FixedInputPortValue
 
 from systems.plant.pairs import GeometryPair
 from systems.wiring.builtin_contact import take_over_pairs
 
 Floats = NDArray[np.float64]
+Link = tuple[int, RigidBody, RigidBodyFrame]
+"""Row in the contact model, the body and its frame, looked up once."""
 _OURS = "applied_generalized_force"
+_ORIGIN = np.zeros(3)
 
 
 class PlantTwin:
@@ -56,8 +65,6 @@ class PlantTwin:
             for geometry in pair
         }
         self._diagram = builder.Build()
-        self._sampled = self._plant.has_sampled_output_ports()
-        self._world = self._plant.world_frame()
         self._local = threading.local()
 
     @property
@@ -79,90 +86,78 @@ class PlantTwin:
         diagram = self._diagram.ToAutoDiffXd()
         return diagram, diagram.GetSystems()[0]
 
-    def at(self, q: Floats, v: Floats, inputs: Mapping[str, object]) -> TwinAtState:
-        """Return the twin at a state, with values at the plant's input ports of these names."""
-        if not hasattr(self._local, "scratch"):
-            self._local.scratch = _Scratch(
-                self._plant.GetMyMutableContextFromRoot(self._diagram.CreateDefaultContext()),
-                self._plant.GetMyMutableContextFromRoot(self._diagram.CreateDefaultContext()),
-            )
-        return TwinAtState(self, self._local.scratch, q, v, inputs)
+    def at(self, x: Floats, inputs: Mapping[str, object]) -> TwinAtState:
+        """Return the twin at a state (nq + nv), with values at the plant's inputs of these names.
 
-
-class _Scratch:
-    """Contexts that one thread works in, and the values last fixed at input ports."""
-
-    def __init__(self, context: Context, result: Context) -> None:
-        self.context = context
-        self.result: State = result.get_mutable_state()
-        self.result_context = result  # owns the state
-        self.fixed: dict[str, object] = {}
+        It is good until the thread asks for another.
+        """
+        if not hasattr(self._local, "twin"):
+            self._local.twin = TwinAtState(self._diagram, self._plant)
+        self._local.twin.go_to(x, inputs)
+        return self._local.twin
 
 
 class TwinAtState:
-    """A twin at a state and inputs; good until the thread asks for another."""
+    """A twin at a state and inputs: the contexts that one thread works in.
 
-    def __init__(
-        self,
-        twin: PlantTwin,
-        scratch: _Scratch,
-        q: Floats,
-        v: Floats,
-        inputs: Mapping[str, object],
-    ) -> None:
-        self._twin, self._scratch, self._q, self._v = twin, scratch, q, v
-        self._plant, self._context = twin.plant, scratch.context
+    Parameters
+    ----------
+    diagram, plant
+        Of the twin.
+    """
+
+    def __init__(self, diagram: Diagram, plant: MultibodyPlant) -> None:
+        self._plant, self._world = plant, plant.world_frame()
+        self._context = plant.GetMyMutableContextFromRoot(diagram.CreateDefaultContext())
+        self._ahead = plant.CreateDefaultContext()  # where kinematics are looked at
+        self._result = plant.CreateDefaultContext()  # that an update leads to
+        self._after = self._result.get_mutable_state()
+        self._sampled = plant.has_sampled_output_ports()
+        self._fixed: dict[str, FixedInputPortValue] = {}
+        self._nq = plant.num_positions()
+
+    def go_to(self, x: Floats, inputs: Mapping[str, object]) -> None:
+        """Put it at a state (nq + nv), with values at the inputs of these names."""
+        self._x = x
+        self._plant.SetPositionsAndVelocities(self._context, x)
         for name, value in inputs.items():
             self._fix(name, value)
-        self._go_to(q, v)
 
     def reached(self, forces: Floats) -> Floats:
         """Return the velocities (nv,) at the end of a step under generalized forces (nv,)."""
         self._fix(_OURS, forces)
-        if self._twin._sampled:  # noqa: SLF001
-            self._plant.CalcForcedUnrestrictedUpdate(self._context, self._scratch.result)
-            values = self._scratch.result.get_discrete_state().get_vector(0)
+        if self._sampled:
+            self._plant.CalcForcedUnrestrictedUpdate(self._context, self._after)
+            x = self._after.get_discrete_state().get_vector(0)
         else:
-            values = self._plant.EvalUniquePeriodicDiscreteUpdate(self._context).get_vector(0)
-        return values.get_value()[len(self._q) :].copy()
+            x = self._plant.EvalUniquePeriodicDiscreteUpdate(self._context).get_vector(0)
+        return x.get_value()[self._nq :].copy()
 
     def mass_matrix(self) -> Floats:
         """Return (nv, nv)."""
         return self._plant.CalcMassMatrix(self._context)
 
     def kinematics_after(
-        self, v: Floats, duration: float, bodies: Mapping[int, BodyIndex], X_WB: Floats, J: Floats
+        self, duration: float, links: Sequence[Link], X_WB: Floats, J: Floats
     ) -> None:
-        """Fill poses (nb, 4, 4) and Jacobians (nb, 6, nv) of bodies, by row, after a motion at v.
+        """Fill poses (nb, 4, 4) and Jacobians (nb, 6, nv) of links, by row, after a motion.
 
-        The Jacobians are those of spatial velocities in W by v.
+        At the velocities of the state. The Jacobians are those of spatial velocities in W by v.
         """
-        q_dot = self._plant.MapVelocityToQDot(self._context, v)
-        self._plant.SetPositions(self._context, self._q + duration * q_dot)
-        for row, index in bodies.items():
-            body = self._plant.get_body(index)
-            X_WB[row] = self._plant.EvalBodyPoseInWorld(self._context, body).GetAsMatrix4()
-            J[row] = self._plant.CalcJacobianSpatialVelocity(
-                self._context,
-                JacobianWrtVariable.kV,
-                body.body_frame(),
-                np.zeros(3),
-                self._twin._world,  # noqa: SLF001
-                self._twin._world,  # noqa: SLF001
+        plant, ahead, world = self._plant, self._ahead, self._world
+        q, v = self._x[: self._nq], self._x[self._nq :]
+        plant.SetPositions(ahead, q + duration * plant.MapVelocityToQDot(self._context, v))
+        for row, body, frame in links:
+            X_WB[row] = body.EvalPoseInWorld(ahead).GetAsMatrix4()
+            J[row] = plant.CalcJacobianSpatialVelocity(
+                ahead, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
             )
-        self._go_to(self._q, self._v)
-
-    def _go_to(self, q: Floats, v: Floats) -> None:
-        self._plant.SetPositionsAndVelocities(self._context, np.concatenate([q, v]))
 
     def _fix(self, name: str, value: object) -> None:
-        last = self._scratch.fixed.get(name)
-        if isinstance(value, np.ndarray):
-            if isinstance(last, np.ndarray) and np.array_equal(last, value):
-                return
-            value = value.copy()
-        self._plant.GetInputPort(name).FixValue(self._context, value)
-        self._scratch.fixed[name] = value
+        if isinstance(value, np.ndarray) and name in self._fixed:
+            self._fixed[name].GetMutableData().get_mutable_value().SetFromVector(value)
+        else:
+            self._fixed[name] = self._plant.GetInputPort(name).FixValue(self._context, value)
 
 
 def _copy_controllers(source: MultibodyPlant, copy: MultibodyPlant) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import area_experiments as experiments
 import numpy as np
@@ -193,7 +194,7 @@ def test_long_thin_facets_take_no_more_springs_than_short_ones():
     corner = 2 * math.pi / 64 * np.arange(-8, 16)
     t, z = np.meshgrid((np.arange(100) + 0.5) / 100, np.arange(-6e-3, 6e-3, 2e-5))
     truth = np.zeros(2)
-    for first, last in zip(corner, corner[1:], strict=False):
+    for first, last in pairwise(corner):
         ends = 0.04 * np.array([[math.cos(a), math.sin(a)] for a in (first, last)])
         p = ends[0] + t[..., None] * (ends[1] - ends[0])
         away = np.dstack([p - ball[:2, 3], z])

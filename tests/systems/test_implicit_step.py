@@ -32,6 +32,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
 from systems import AddNonlinearDamperContact, ContactConfig, NonlinearDamperContact
+from systems.step.plant_twin import TwinAtState
 
 STEP = 1e-3
 GRAVITY = 9.81
@@ -113,7 +114,13 @@ def offset(plant: MultibodyPlant, parent: Frame, p: list[float]) -> Frame:
     )
 
 
-def add_arm(plant: MultibodyPlant, *, damping: float = 0.0, limits: tuple[float, float] = (-9, 9)):
+def add_arm(
+    plant: MultibodyPlant,
+    *,
+    y: float = 0.0,
+    damping: float = 0.0,
+    limits: tuple[float, float] = (-9, 9),
+):
     """A link on a hinge at the height of its tip, a ball, above the table."""
     link = plant.AddRigidBody("link", SpatialInertia.SolidBoxWithMass(1.0, 0.5, 0.05, 0.05))
     plant.RegisterCollisionGeometry(
@@ -122,7 +129,7 @@ def add_arm(plant: MultibodyPlant, *, damping: float = 0.0, limits: tuple[float,
     hinge = plant.AddJoint(
         RevoluteJoint(
             "hinge",
-            offset(plant, plant.world_frame(), [-0.25, 0, 0.0502]),
+            offset(plant, plant.world_frame(), [-0.25, y, 0.0502]),
             offset(plant, link.body_frame(), [-0.25, 0, 0]),
             [0, 1, 0],
             *limits,
@@ -153,6 +160,16 @@ def controlled_arm(plant, limit: float = 1e3):
     _, hinge = add_arm(plant)
     motor = plant.AddJointActuator("motor", hinge, limit)
     motor.set_controller_gains(PdControllerGains(p=2000, d=20))
+
+
+def unlimited_arm(plant):
+    add_table(plant)
+    add_arm(plant, damping=3.0, limits=(-np.inf, np.inf))
+
+
+def box_before_arm(plant):
+    falling_box(plant)
+    add_arm(plant, y=0.7, limits=(-np.inf, np.inf))
 
 
 def limited_arm(plant):
@@ -279,6 +296,15 @@ def beside_built_in_contact(plant):
     )
 
 
+def between_built_in_contact(plant):
+    """Velocities of what is not ours stand before and behind those of the box."""
+    add_table(plant)
+    for i, name in enumerate(["theirs", "box", "others"]):
+        add_box(plant, name)
+        X_WB = RigidTransform([0.5 * i, 0, 0.051])
+        plant.SetDefaultFloatingBaseBodyPose(plant.GetBodyByName(name), X_WB)
+
+
 CASES = {
     "free box": (falling_box, {}),
     "free box, unsampled ports": (falling_box, {"sampled": False}),
@@ -294,6 +320,8 @@ CASES = {
     "arm, controlled, saturated": (lambda p: controlled_arm(p, 5.0), {"wire_after": aim}),
     "arm, pushed by generalized force": (lying_arm, {"wire": push_generalized}),
     "arm at its limit": (limited_arm, {}),
+    "arm without limits": (unlimited_arm, {}),
+    "box before an arm": (box_before_arm, {}),
     "distance constraint": (distance_held, {}),
     "ball constraint": (ball_held, {}),
     "weld constraint": (weld_held, {}),
@@ -301,6 +329,10 @@ CASES = {
     "beside built-in contact": (
         beside_built_in_contact,
         {"config": ContactConfig(pairs=[["box", "world"]])},
+    ),
+    "between built-in contact": (
+        between_built_in_contact,
+        {"config": ContactConfig(pairs=[["box", each] for each in ("world", "theirs", "others")])},
     ),
 }
 
@@ -324,6 +356,31 @@ def test_the_plant_lands_where_contact_was_solved_for(case):
     assert touched
     assert worst < 1e-6
     assert np.isfinite(reached).all()
+
+
+def test_free_bodies_do_without_the_copy_of_the_plant(monkeypatch):
+    """Asking it each step takes as long as the contact of a few boxes."""
+    asked = []
+    reached = TwinAtState.reached
+
+    def counted(*args):
+        asked.append(args)
+        return reached(*args)
+
+    monkeypatch.setattr(TwinAtState, "reached", counted)
+
+    def boxes(plant):
+        add_table(plant)
+        for i in range(8):  # more than a set of bodies happens to keep in order
+            add_box(plant, f"box{i}")
+            X_WB = RigidTransform([0.3 * i, 0, 0.0499])
+            plant.SetDefaultFloatingBaseBodyPose(plant.GetBodyByName(f"box{i}"), X_WB)
+
+    scene = build(boxes)
+    scene.simulator.AdvanceTo(2 * STEP)
+    before = len(asked)
+    scene.simulator.AdvanceTo(10 * STEP)
+    assert len(asked) == before
 
 
 def wedged(plant: MultibodyPlant) -> None:

@@ -7,6 +7,7 @@ from contact_toolkit import NonlinearDamper
 from scenarios.format.errors import ScenarioError
 from scenarios.sweep.fit import FreeParameter, fit
 from scenarios.sweep.fit_file import fit_rollouts, load_fit, simulate
+from scenarios.sweep.study import STUDIES
 
 
 def heights(alpha, first):
@@ -119,3 +120,13 @@ def test_mistakes_are_named_before_anything_is_simulated(tmp_path, change, csv, 
     path = write(tmp_path, FIT.replace(*change), csv or "t,height\n0.0,0.14\n")
     with pytest.raises(ScenarioError, match=said):
         load_fit(path)
+
+
+@pytest.mark.slow
+def test_the_force_that_pushes_a_press_fit_out_gives_its_friction():
+    _, wanted, base, samples = load_fit(STUDIES / "press_fit_fit.yaml")
+    found = fit_rollouts(wanted, base, samples)
+    assert found.converged
+    friction = found.estimates["friction"]
+    assert friction.lower < 0.17 < friction.upper  # what the series was made with
+    assert friction.upper - friction.lower < 0.005

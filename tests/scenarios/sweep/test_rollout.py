@@ -14,6 +14,7 @@ from sweep_scenes import plan_of
 import scenarios
 from scenarios.format.errors import ScenarioError
 from scenarios.runner import run
+from scenarios.sweep import rollout as rollouts
 from scenarios.sweep.isolated import GRACE, IsolatedRuns, Task
 
 
@@ -37,6 +38,24 @@ def test_the_same_inputs_give_the_same_bits_whatever_ran_before(plan):
     first = scenarios.rollout(plan.base, {"contact.k": 7e7})
     scenarios.rollout(plan.base, {"contact.k": 3e7, "parts.ball.parameters.radius": 0.018})
     assert scenarios.rollout(plan.base, {"contact.k": 7e7}).figures == first.figures
+
+
+def test_what_runs_have_in_common_is_prepared_once(plan, monkeypatch):
+    # Each run would make the hierarchies and nodes of all its meshes anew.
+    meshes = []
+    assemble = rollouts.assemble
+
+    def assemble_and_look(*args):
+        assembly = assemble(*args)
+        meshes.append({each.name: each.mesh for each in assembly.contact.model.geometries})
+        return assembly
+
+    monkeypatch.setattr(rollouts, "assemble", assemble_and_look)
+    for radius in (0.02, 0.018):
+        scenarios.rollout(plan.base, {"parts.ball.parameters.radius": radius})
+    first, second = meshes
+    assert first["plate/plate::collision"] is second["plate/plate::collision"]
+    assert first["ball/ball::collision"] is not second["ball/ball::collision"]
 
 
 @pytest.mark.parametrize(
