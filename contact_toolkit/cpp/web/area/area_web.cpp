@@ -187,7 +187,10 @@ double AreaWeb::Clearance(const Pose& X_AB, double enough) const {
     return least - reach() - rise_;
   }
   const double nearer = reach() + overhang_ + rise_;
-  return LeastDistance(surface_->mesh(), *sampled_, X_PS, enough + nearer) - nearer;
+  const double least = LeastDistance(surface_->mesh(), *sampled_, X_PS, enough + nearer) - nearer;
+  // Surfaces are apart, too, where one body is wholly in the other.
+  const bool within = least > 0 && surface_->Probe(X_PS * sampled_->vertices()[0]).phi < 0;
+  return within ? 0 : least;
 }
 
 Pose AreaWeb::PoseOfSampled(const Pose& X_AB) const { return samples_a_ ? Inverse(X_AB) : X_AB; }
