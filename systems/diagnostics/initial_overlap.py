@@ -24,6 +24,8 @@ POLICIES = ("ease", "filter", "warn", "raise")
 # soft; and of the weight of the lighter body, which tells what is soft from what overlaps.
 _DEEP = 5e-3
 _HEAVY = 10.0
+# [-] Of that, what faces of a hinge that just touch press each other with; a press fit more.
+_UNLOADED = 1e-2
 _LISTED = 6  # pairs listed in the warning; a scene of bricks may have hundreds
 
 
@@ -120,7 +122,11 @@ class InitialOverlap:
                 held = joints is not None and joints.holds_against_push(pair)
                 stays = self._within[pair] or held
                 overlaps.append(Overlap(pair, max(depth, ball), force, stays))
-            elif joints is not None and rows.any() and joints.holds_everywhere(pair):
+            elif (
+                joints is not None
+                and 0 < force <= _UNLOADED * self._heavy[pair]
+                and joints.holds_everywhere(pair)
+            ):
                 overlaps.append(Overlap(pair, depth, force, stays=True))
         return sorted(overlaps, key=lambda overlap: (-overlap.depth, overlap.pair))
 
