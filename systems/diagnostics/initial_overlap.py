@@ -24,8 +24,8 @@ POLICIES = ("ease", "filter", "warn", "raise")
 # soft; and of the weight of the lighter body, which tells what is soft from what overlaps.
 _DEEP = 5e-3
 _HEAVY = 10.0
-# [-] Of that, what faces of a hinge that just touch press each other with; a press fit more.
-_UNLOADED = 1e-2
+# [-] Of the weight of a whole tree: faces of its hinges that touch press less, a press fit more.
+_SLIGHT = 1e-2
 _LISTED = 6  # pairs listed in the warning; a scene of bricks may have hundreds
 
 
@@ -88,12 +88,13 @@ class InitialOverlap:
         group_of = joint_trees(plant)
         rows = zip(model.geometry_bodies, model.geometries, strict=True)
         whole = WholeBodies(plant, ((bodies[row], each.mesh, each.X_BG) for row, each in rows))
-        self._within, self._deep, self._heavy = [], [], []
+        self._within, self._deep, self._heavy, self._slight = [], [], [], []
         for pair in model.pairs:
             a, b = (bodies[model.geometry_bodies[side]] for side in (pair.a, pair.b))
             self._within.append(group_of[a] == group_of[b])
             sides = whole.of(a), whole.of(b)
             self._deep.append(_DEEP * min(side.diagonal for side in sides))
+            self._slight.append(_SLIGHT * min(side.load for side in sides))
             weight = min(side.weight for side in sides)
             self._heavy.append(_HEAVY * weight if math.isfinite(weight) else 0.0)
 
@@ -124,7 +125,7 @@ class InitialOverlap:
                 overlaps.append(Overlap(pair, max(depth, ball), force, stays))
             elif (
                 joints is not None
-                and 0 < force <= _UNLOADED * self._heavy[pair]
+                and 0 < force <= self._slight[pair]
                 and joints.holds_everywhere(pair)
             ):
                 overlaps.append(Overlap(pair, depth, force, stays=True))
