@@ -25,7 +25,7 @@ POLICIES = ("ease", "filter", "warn", "raise")
 _DEEP = 5e-3
 _HEAVY = 10.0
 # [-] Of the weight of a whole tree: faces of its hinges that touch press less, a press fit more.
-_SLIGHT = 1e-2
+_SLIGHT = 5e-2
 _LISTED = 6  # pairs listed in the warning; a scene of bricks may have hundreds
 
 
