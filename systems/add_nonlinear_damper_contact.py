@@ -114,8 +114,8 @@ def AddNonlinearDamperContact(
     if contact.implicit:
         contact.connect_plant_forces(builder)
         before_build(builder, lambda: contact.connect_plant_inputs(builder))
+    builder.Connect(plant.get_state_output_port(), contact.get_state_input_port())
     if contact.uses_state or contact.implicit:
-        builder.Connect(plant.get_state_output_port(), contact.get_state_input_port())
         add_generalized_force(
             builder,
             contact.get_generalized_forces_output_port(),

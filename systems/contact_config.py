@@ -159,7 +159,8 @@ class ContactConfig(ContactLawConfig):
     initial_overlap
         What becomes of bodies that overlap when a simulation begins, by more than half of their
         skins and ten times their weight. "ease" (the default): links of one tree of joints pass
-        through each other from then on; all others are parted gently.
+        through each other from then on, and so does what the joints of a mounted robot hold in
+        place; all others are parted gently.
         "filter": all of them pass through each other. "warn": they are flung apart. Each of these
         tells of it. "raise": an error.
     easing_time

@@ -401,7 +401,11 @@ class NonlinearDamperContact(ContactSystem):
             context,
             state,
             lambda before: self._overlap.begin(
-                before, lambda: self._model.evaluate(X_WB, V_WB), context.get_time()
+                before,
+                lambda: self._model.evaluate(X_WB, V_WB),
+                context.get_time(),
+                X_WB,
+                self._motion.read_positions(context),
             ),
         )
 

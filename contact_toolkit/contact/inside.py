@@ -40,9 +40,9 @@ def require_inside(web: AreaWeb, a: ContactGeometry, b: ContactGeometry) -> None
     if len(needed) == 1 and solid:
         mends.append("leave sampled as it is by default")
     raise ValueError(
-        f"{said}. {' '.join(f'{_describe(side)}.' for side in needed)} "
+        f"{said}. {' '.join(f'{describe(side)}.' for side in needed)} "
         f"{'; or '.join(mends)}".replace(". mend", ". Mend")
-        + f". {_command(needed)}"
+        + f". {inspect_command(needed)}"
     )
 
 
@@ -76,11 +76,13 @@ def _where(geometry: ContactGeometry) -> str:
     return f"geometry {geometry.name!r}" + (f" ({source})" if source else "")
 
 
-def _describe(geometry: ContactGeometry) -> str:
+def describe(geometry: ContactGeometry) -> str:
+    """Return its name, its file and what is wrong with it."""
     return f"{_where(geometry)} has {'; '.join(geometry.mesh.describe_defects()) or 'no volume'}"
 
 
-def _command(geometries: list[ContactGeometry]) -> str:
+def inspect_command(geometries: list[ContactGeometry]) -> str:
+    """Return the command that shows more of what is wrong with them."""
     files = dict.fromkeys(_file(side.mesh) for side in geometries)
     return " and ".join(f"`contact-toolkit inspect {file}`" for file in files) + " shows more"
 

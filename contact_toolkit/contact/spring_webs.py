@@ -26,7 +26,8 @@ class AreaWeb:
         `nominal_force`.
     sampled
         Which body carries the nodes: "a", "b" or "auto", the smaller one unless it is made of flat
-        sides and the other is not, or the other is much thinner.
+        sides and the other is not, or the other is much thinner. A capsule or cylinder on a box or
+        half space, which takes few nodes.
     fillet
         Radius [m] of the sharp convex edges of both bodies, by which crossing edges bear load; 0:
         none.

@@ -8,17 +8,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import ContactModel, ContactState, Forces
-from systems.plant.whole_bodies import WholeBodies
+from systems.diagnostics.common_inside import CommonInside
+from systems.diagnostics.joint_hold import JointHold
+from systems.plant.whole_bodies import WholeBodies, joint_trees
+
+Floats = NDArray[np.float64]
 
 POLICIES = ("ease", "filter", "warn", "raise")
 # Of the smaller body's diagonal: half of its skin. Nothing lies or is held as deep, unless it is
 # soft; and of the weight of the lighter body, which tells what is soft from what overlaps.
 _DEEP = 5e-3
 _HEAVY = 10.0
+# [-] Of the weight of a whole tree: faces of its hinges that touch press less, a press fit more.
+_SLIGHT = 5e-2
 _LISTED = 6  # pairs listed in the warning; a scene of bricks may have hundreds
 
 
@@ -31,15 +38,17 @@ class Overlap:
     pair
         In the contact model.
     depth, force
-        How deep [m], and how hard they would push each other [N].
-    within
-        Whether their bodies are of one tree of joints, such as links of a robot.
+        How deep [m], and how hard they would push each other [N]: all springs together, in whatever
+        direction each of them pushes.
+    stays
+        Whether they may go on overlapping: their bodies are of one tree of joints, such as links of
+        a robot, or joints hold them as they are.
     """
 
     pair: int
     depth: float
     force: float
-    within: bool
+    stays: bool
 
 
 class InitialOverlap:
@@ -71,43 +80,73 @@ class InitialOverlap:
             raise ValueError(f"initial_overlap must be one of {known}, not {policy!r}")
         if not 0 < easing_time < math.inf:
             raise ValueError(f"easing_time must be a time [s] > 0, not {easing_time}")
-        self._model = model
+        self._model, self._bodies = model, tuple(bodies)
+        self._inside = CommonInside(model)
+        self._plant = plant
         self._policy = policy
         self._easing_time = easing_time
-        group_of = _assemblies(plant)
+        group_of = joint_trees(plant)
         rows = zip(model.geometry_bodies, model.geometries, strict=True)
         whole = WholeBodies(plant, ((bodies[row], each.mesh, each.X_BG) for row, each in rows))
-        self._within, self._deep, self._heavy = [], [], []
+        self._within, self._deep, self._heavy, self._slight = [], [], [], []
         for pair in model.pairs:
             a, b = (bodies[model.geometry_bodies[side]] for side in (pair.a, pair.b))
             self._within.append(group_of[a] == group_of[b])
             sides = whole.of(a), whole.of(b)
             self._deep.append(_DEEP * min(side.diagonal for side in sides))
+            self._slight.append(_SLIGHT * min(side.load for side in sides))
             weight = min(side.weight for side in sides)
             self._heavy.append(_HEAVY * weight if math.isfinite(weight) else 0.0)
 
-    def find(self, forces: Forces) -> list[Overlap]:
-        """Return the pairs that overlap, the deepest first."""
-        contacts = forces.contacts
-        overlaps = []
-        for pair in np.unique(contacts.pair):
-            rows = contacts.pair == pair
-            depth = float(contacts.deformation[rows].max() - self._model.pairs[pair].web.standoff)
-            pushes = contacts.normal_force[rows, None] * contacts.normal_F[rows]
-            force = float(np.linalg.norm(pushes.sum(axis=0)))
-            if depth > self._deep[pair] and force > self._heavy[pair]:
-                overlaps.append(Overlap(int(pair), depth, force, self._within[pair]))
-        return sorted(overlaps, key=lambda overlap: -overlap.depth)
+    def find(self, forces: Forces, X_WB: Floats, q: Floats | None = None) -> list[Overlap]:
+        """Return the pairs that overlap, the deepest first.
 
-    def begin(self, state: ContactState, push: Callable[[], Forces], time: float) -> ContactState:
+        X_WB (nb, 4, 4) and q (nq,) are the poses and the plant's positions; without the latter
+        nobody looks at what joints allow. What just touches, where joints let it neither part nor
+        press, counts too.
+        """
+        contacts = forces.contacts
+        inside = self._inside.find(X_WB)
+        joints = None
+        if q is not None and len(contacts.pair):
+            joints = JointHold(self._plant, self._model, self._bodies, q, contacts)
+        overlaps = []
+        for pair in map(int, {*np.unique(contacts.pair), *inside}):
+            rows = contacts.pair == pair
+            standoff = self._model.pairs[pair].web.standoff
+            depth = float(contacts.deformation[rows].max(initial=standoff) - standoff)
+            # What crosses another in the middle is pushed both ways at once, and no less deep in.
+            force = float(contacts.normal_force[rows].sum())
+            ball = inside.get(pair, 0.0)
+            pushed = depth > self._deep[pair] and force > self._heavy[pair]
+            if pushed or ball > max(depth, self._deep[pair]):
+                held = joints is not None and joints.holds_against_push(pair)
+                stays = self._within[pair] or held
+                overlaps.append(Overlap(pair, max(depth, ball), force, stays))
+            elif (
+                joints is not None
+                and 0 < force <= self._slight[pair]
+                and joints.holds_everywhere(pair)
+            ):
+                overlaps.append(Overlap(pair, depth, force, stays=True))
+        return sorted(overlaps, key=lambda overlap: (-overlap.depth, overlap.pair))
+
+    def begin(
+        self,
+        state: ContactState,
+        push: Callable[[], Forces],
+        time: float,
+        X_WB: Floats,
+        q: Floats | None = None,
+    ) -> ContactState:
         """Return the state to begin with, after telling what overlaps.
 
         A simulation that goes on keeps its state, and bodies that are apart keep theirs. `push`
-        gives the forces at the start. Raises RuntimeError where there is something, and the policy
-        says so.
+        gives the forces at the start; X_WB and q as in `find`. Raises RuntimeError where there is
+        something, and the policy says so.
         """
         goes_on = state.forces is not None and state.time <= time
-        overlaps = [] if goes_on else self.find(push())
+        overlaps = [] if goes_on else self.find(push(), X_WB, q)
         if not overlaps:
             return state
         if self._policy == "raise":
@@ -122,15 +161,16 @@ class InitialOverlap:
             )
             return state
         depths = np.zeros(len(self._model.pairs))
-        filtered = [each for each in overlaps if self._policy == "filter" or each.within]
+        filtered = [each for each in overlaps if self._policy == "filter" or each.stays]
         eased = [each for each in overlaps if each not in filtered]
         if filtered:
             depths[[each.pair for each in filtered]] = math.inf
             _warn(
                 self._tell(
                     filtered,
-                    "they pass through each other from now on, as links of "
-                    "a robot that overlap at rest must; start apart to let them touch",
+                    "they pass through each other from now on, as must links of a robot that "
+                    "overlap at rest, and what its joints hold in place; start apart to let them "
+                    "touch",
                 )
             )
         if eased:
@@ -152,27 +192,6 @@ class InitialOverlap:
         more = len(overlaps) - len(listed)
         rest = f", and {more} more pairs" if more else ""
         return f"overlap at the start: {', '.join(listed)}{rest}; {mend}"
-
-
-def _assemblies(plant: MultibodyPlant) -> list[int]:
-    """Return a number for each body, equal for bodies of one tree of joints.
-
-    The world is an assembly of its own: what stands on it is not part of it. Nor are free bodies of
-    one model instance, which may be all there are.
-    """
-    world = plant.world_body().index()
-    leader = list(range(plant.num_bodies()))
-
-    def join(a: int, b: int) -> None:
-        old, new = leader[a], leader[b]
-        leader[:] = [new if each == old else each for each in leader]
-
-    for index in plant.GetJointIndices():
-        joint = plant.get_joint(index)
-        ends = joint.parent_body().index(), joint.child_body().index()
-        if world not in ends:
-            join(*map(int, ends))
-    return leader
 
 
 def _warn(message: str) -> None:

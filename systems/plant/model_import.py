@@ -13,6 +13,7 @@ from systems.contact_config import ContactConfig, ContactLawConfig
 from systems.plant.geometry_import import GeometryImporter, ImportedGeometry
 from systems.plant.millimetres import warn_of_millimetres
 from systems.plant.names import BodyNames
+from systems.plant.open_links import without_open_links
 from systems.plant.pair_parameters import make_contact_pair, overlay
 from systems.plant.pair_stiffness import Side
 from systems.plant.pair_web import require_keys_of_web, web_name
@@ -47,6 +48,17 @@ def import_contact_model(
         for body, material in config.materials.items()
     }
     geometries, pairs = unite_seams(geometries, pairs, materials)
+    laws = _laws(config, names, {_bodies_of(pair, geometries) for pair in pairs})
+    bodies = sorted({geometry.body for geometry in geometries.values()}, key=int)
+    rows = {body: row for row, body in enumerate(bodies)}
+
+    def as_contact(geometry: ImportedGeometry) -> ContactGeometry:
+        name = f"{names.name_of(geometry.body)}/{geometry.name}"
+        return ContactGeometry(name, rows[geometry.body], geometry.mesh, geometry.X_BG)
+
+    pairs = without_open_links(
+        plant, geometries, pairs, lambda pair: laws[_bodies_of(pair, geometries)], as_contact
+    )
     whole_bodies = WholeBodies(
         plant, ((each.body, each.mesh, each.X_BG) for each in geometries.values())
     )
@@ -59,7 +71,6 @@ def import_contact_model(
         )
         for index, (geometry, imported) in enumerate(geometries.items())
     }
-    laws = _laws(config, names, {_bodies_of(pair, geometries) for pair in pairs})
     contact_pairs = []
     for a, b in pairs:
         try:
@@ -68,20 +79,9 @@ def import_contact_model(
         except ValueError as error:
             touching = " and ".join(names.name_of(geometries[side].body) for side in (a, b))
             raise ValueError(f"contact between {touching}: {error}") from error
-    bodies = sorted({geometry.body for geometry in geometries.values()}, key=int)
-    rows = {body: row for row, body in enumerate(bodies)}
-    contact_geometries = [
-        ContactGeometry(
-            f"{names.name_of(geometry.body)}/{geometry.name}",
-            rows[geometry.body],
-            geometry.mesh,
-            geometry.X_BG,
-        )
-        for geometry in geometries.values()
-    ]
     model = ContactModel(
         [names.name_of(body) for body in bodies],
-        contact_geometries,
+        [as_contact(geometry) for geometry in geometries.values()],
         contact_pairs,
         threads=config.threads,
     )

@@ -24,10 +24,10 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
 
     Raises ValueError for values that make no sense, and where one is needed that nothing tells.
     """
-    weights = [side.whole.weight for side in (a, b) if side.whole.weight > 0]
+    loads = [side.whole.load for side in (a, b) if side.whole.load > 0]
     n = 1.0 if law.n is None else law.n
     area = point_area(a, b) if web_name(law) == "area" and n == 1 else None
-    web = make_web(law, weight=min(weights, default=math.inf), point=area is not None)
+    web = make_web(law, load=min(loads, default=math.inf), point=area is not None)
     damper = NonlinearDamper(
         k=_stiffness(a, b, web_name(law), n, law.skin) if law.k is None else law.k,
         alpha=2 / 3 * _dissipation(a.material, b.material) if law.alpha is None else law.alpha,

@@ -35,10 +35,11 @@ def require_keys_of_web(given: ContactLawConfig, web: str) -> None:
             )
 
 
-def make_web(law: ContactLawConfig, weight: float, *, point: bool) -> SpringWeb:
+def make_web(law: ContactLawConfig, load: float, *, point: bool) -> SpringWeb:
     """Return the web with what the settings say of it; raise ValueError for what makes no sense.
 
-    `weight` [N]: of the lighter body, which the contact usually bears; infinite where unknown.
+    `load` [N]: the weight of the lighter body with all that its joints hold, which the contact
+    usually bears; infinite where unknown.
     `point`: one geometry stands for a point, which takes the place of an area.
     """
     name = web_name(law)
@@ -47,7 +48,7 @@ def make_web(law: ContactLawConfig, weight: float, *, point: bool) -> SpringWeb:
     settings = {key: getattr(law, key) for key in ("standoff", *_KEYS_OF[name])}
     given = {key: value for key, value in settings.items() if value is not None}
     if name == "area":
-        return AreaWeb(**given, nominal_force=weight if weight < math.inf else None)
+        return AreaWeb(**given, nominal_force=load if load < math.inf else None)
     if law.standoff is None:
         raise ValueError(
             "the facet web needs a distance [m] > 0 at which contact begins: set standoff"

@@ -29,10 +29,14 @@ class WholeBody:
         Of the bounding box of its geometries in the frame of its first body [m].
     weight
         [N]; infinite where it is anchored to the world.
+    load
+        [N] of all that hangs together with it by joints: what its contacts bear at rest, such as
+        those of a robot's foot; infinite likewise.
     """
 
     diagonal: float
     weight: float
+    load: float
 
 
 class WholeBodies:
@@ -53,6 +57,10 @@ class WholeBodies:
         corners_on: dict[BodyIndex, list[Floats]] = {}
         for index, mesh, X_BG in meshes:
             corners_on.setdefault(index, []).append(_corners(mesh, X_BG))
+        tree_of = joint_trees(plant)
+        masses = np.bincount(
+            tree_of, [plant.get_body(BodyIndex(i)).get_mass(context) for i in range(len(tree_of))]
+        )
         self._whole: dict[BodyIndex, WholeBody] = {}
         for index in corners_on:
             if index in self._whole:
@@ -65,17 +73,38 @@ class WholeBodies:
                 X_BE = plant.CalcRelativeTransform(context, body.body_frame(), each.body_frame())
                 corners += [(X_BE @ p.T).T for p in corners_on.get(each.index(), [])]
             box = np.concatenate(corners)
+            anchored = plant.IsAnchored(body)
             whole = WholeBody(
                 diagonal=float(np.linalg.norm(np.ptp(box, axis=0))),
-                weight=math.inf
-                if plant.IsAnchored(body)
-                else mass * (gravity or _STANDARD_GRAVITY),
+                weight=math.inf if anchored else mass * gravity,
+                load=math.inf if anchored else float(masses[tree_of[int(index)]]) * gravity,
             )
             self._whole.update({each.index(): whole for each in welded})
 
     def of(self, body: BodyIndex) -> WholeBody:
         """Return the whole that a body with geometry is part of."""
         return self._whole[body]
+
+
+def joint_trees(plant: MultibodyPlant) -> list[int]:
+    """Return a number for each body, equal for bodies of one tree of joints.
+
+    The world is an assembly of its own: what stands on it is not part of it. Nor are free bodies of
+    one model instance, which may be all there are.
+    """
+    world = plant.world_body().index()
+    leader = list(range(plant.num_bodies()))
+
+    def join(a: int, b: int) -> None:
+        old, new = leader[a], leader[b]
+        leader[:] = [new if each == old else each for each in leader]
+
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        ends = joint.parent_body().index(), joint.child_body().index()
+        if world not in ends:
+            join(*map(int, ends))
+    return leader
 
 
 def _corners(mesh: CollisionMesh, X_BG: Floats) -> Floats:

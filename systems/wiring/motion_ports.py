@@ -44,7 +44,8 @@ class MotionPorts:
         lists_only: bool = False,
     ) -> None:
         self.bodies = BodyMotion(plant, bodies, lists_only=lists_only)
-        self._no_state = np.zeros(plant.num_positions() + plant.num_velocities())
+        self._num_positions = plant.num_positions()
+        self._no_state = np.zeros(self._num_positions + plant.num_velocities())
         self.state = system.DeclareVectorInputPort("state", len(self._no_state))
         self.poses = system.DeclareAbstractInputPort(
             "body_poses", AbstractValue.Make([RigidTransform()])
@@ -54,6 +55,12 @@ class MotionPorts:
         )
         self.pose_tickets = {_ticket(system, self.state), _ticket(system, self.poses)}
         self.velocity_ticket = _ticket(system, self.velocities)
+
+    def read_positions(self, context: Context) -> Floats | None:
+        """Return the plant's positions (nq,); None where `state` is not connected."""
+        if not self.state.HasValue(context):
+            return None
+        return self.state.Eval(context)[: self._num_positions]
 
     def read_poses(self, context: Context) -> tuple[Floats, Floats]:
         """Return X_WB (nb, 4, 4), and V_WB (nb, 6) without the velocities of listed bodies."""

@@ -33,6 +33,11 @@ def slab() -> CollisionMesh:
     return CollisionMesh(*parts.box(0.4, 0.3, 0.05))
 
 
+def plate() -> CollisionMesh:
+    """The slab, of which it is known that it is a box: what is round has a lattice on it."""
+    return CollisionMesh.from_primitive(Primitive("box", (0.4, 0.3, 0.05)))
+
+
 def ball() -> CollisionMesh:
     return CollisionMesh(*mesh_shapes.ball(3, radius=0.05))
 
@@ -96,6 +101,28 @@ CASES["deep below a face"] = (
     [0.03, 0.02, TOP + 0.02998],
     Rotation.from_rotvec([0, 0, 0.3]),
 )
+ON_PLATE = {
+    "lattice": (cylinder, AreaWeb(), [0.03, 0.02, TOP + 0.0295], LYING),
+    "lattice over a rim": (
+        cylinder,
+        AreaWeb(),
+        [0.195, 0.12, TOP + 0.0295],
+        Rotation.from_rotvec([0.02, 0.01, 0.4]) * LYING,
+    ),
+    "lattice over a corner": (
+        cylinder,
+        AreaWeb(),
+        [0.197, 0.145, TOP + 0.0285],
+        Rotation.from_rotvec([0.1, 0.05, 0.4]) * LYING,
+    ),
+    "lattice of a capsule": (
+        lambda: CollisionMesh.from_primitive(Primitive("capsule", (0.03, 0.1))),
+        AreaWeb(nominal_force=20.0),
+        [0.03, 0.02, TOP + 0.0299],
+        Rotation.from_rotvec([3e-3, 0, 0]) * LYING,
+    ),
+}
+CASES |= ON_PLATE
 
 
 class Scene:
@@ -103,7 +130,8 @@ class Scene:
 
     def __init__(self, case: str, friction: Friction = VISCOUS) -> None:
         make, web, self.p, self.q = CASES[case]
-        geometries = [ContactGeometry("slab", 0, slab()), ContactGeometry("body", 1, make())]
+        ground = plate() if case in ON_PLATE else slab()
+        geometries = [ContactGeometry("slab", 0, ground), ContactGeometry("body", 1, make())]
         pair = ContactPair(1, 0, NonlinearDamper(K, alpha=0.5), web, friction)
         self.model = ContactModel(["slab", "body"], geometries, [pair])
 
@@ -160,7 +188,9 @@ def test_memory_changes_no_friction(case):
                 assert warm == Scene(case).bits(near)
 
 
-@pytest.mark.parametrize("case", ["face", "ball", "ball on a rim", "cylinder", "slab sampled"])
+@pytest.mark.parametrize(
+    "case", ["face", "ball", "ball on a rim", "cylinder", "slab sampled", "lattice"]
+)
 def test_a_node_is_as_stiff_under_any_load(case):
     """Held bodies that creep as their load pulsates (broken: only what is loaded counts)."""
     scene = Scene(case)

@@ -10,7 +10,7 @@ import pytest
 from pydrake.geometry import Box
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
-from pydrake.multibody.tree import RevoluteJoint, SpatialInertia
+from pydrake.multibody.tree import FixedOffsetFrame, PrismaticJoint, RevoluteJoint, SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
@@ -134,3 +134,86 @@ def test_initializing_again_keeps_what_contact_remembers():
         for context in (before, scene.simulator.get_context())
     ]
     np.testing.assert_array_equal(*lost)
+
+
+class Mounted:
+    """A link on a joint to the world, and a second one on a hinge to the first."""
+
+    def __init__(
+        self,
+        axis: tuple[float, float, float],
+        height: float,
+        X_AB: RigidTransform | None = None,
+    ) -> None:
+        builder = DiagramBuilder()
+        self.plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=2e-3)
+        friction = CoulombFriction(0.5, 0.5)
+        inertia = SpatialInertia.SolidBoxWithMass(MASS, SIDE, SIDE, SIDE)
+        world = self.plant.world_body()
+        self.plant.RegisterCollisionGeometry(
+            world, RigidTransform([0, 0, -0.5]), Box(TABLE, TABLE, 1), "table", friction
+        )
+        robot = self.plant.AddModelInstance("robot")
+        first = self.plant.AddRigidBody("first", robot, inertia)
+        second = self.plant.AddRigidBody("second", robot, inertia)
+        cube = Box(SIDE, SIDE, SIDE)
+        self.plant.RegisterCollisionGeometry(first, RigidTransform(), cube, "cube", friction)
+        base = self.plant.AddFrame(
+            FixedOffsetFrame("base", world.body_frame(), RigidTransform([0.0, 0.0, height]))
+        )
+        self.slider = self.plant.AddJoint(PrismaticJoint("slider", base, first.body_frame(), axis))
+        self.plant.AddJoint(
+            RevoluteJoint("hinge", first.body_frame(), second.body_frame(), [1.0, 0.0, 0.0])
+        )
+        # Drake filters what a joint joins, not what is welded to it: a bearing, a gear.
+        welded = self.plant.AddRigidBody("welded", robot, inertia)
+        self.plant.WeldFrames(second.body_frame(), welded.body_frame())
+        if X_AB is not None:
+            self.plant.RegisterCollisionGeometry(welded, X_AB, cube, "cube", friction)
+        self.plant.mutable_gravity_field().set_gravity_vector([1.0, 0.0, -GRAVITY])
+        self.plant.Finalize()
+        AddNonlinearDamperContact(builder, self.plant, scene_graph)
+        self.simulator = Simulator(builder.Build())
+        self.context = self.plant.GetMyContextFromRoot(self.simulator.get_context())
+
+
+def test_what_joints_hold_in_the_ground_passes_through_it():
+    """A cart on a rail drawn through it would be clamped by meganewtons, and take minutes."""
+    scene = Mounted((1.0, 0.0, 0.0), 0.0)
+    with pytest.warns(RuntimeWarning, match=r"table and first.* by 50 mm .*its joints hold"):
+        scene.simulator.Initialize()
+    steps = 50
+    scene.simulator.AdvanceTo(steps * 2e-3)
+    # Freely along the rail at 1 m/s², by symplectic Euler.
+    assert scene.slider.get_translation(scene.context) == pytest.approx(
+        steps * (steps + 1) / 2 * 2e-3**2, rel=1e-9
+    )
+
+
+def test_what_joints_let_out_of_the_ground_is_parted():
+    """A mounted link that starts a little in the table would sink through it for good."""
+    depth = 2e-3
+    scene = Mounted((0.0, 0.0, 1.0), SIDE / 2 - depth)
+    with pytest.warns(RuntimeWarning, match=r"table and first.* by 2 mm .*parted gently"):
+        scene.simulator.Initialize()
+    scene.simulator.AdvanceTo(0.5)
+    assert scene.slider.get_translation(scene.context) == pytest.approx(depth, abs=1e-5)
+
+
+def test_links_drawn_at_one_place_pass_through_each_other():
+    """Surfaces that coincide are nowhere deep: two legs of a walker would be held together."""
+    scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform())
+    with pytest.warns(RuntimeWarning, match=r"first.* and welded.* by 50 mm .*pass through"):
+        scene.simulator.Initialize()
+
+
+def test_faces_of_a_hinge_bear_nothing():
+    """Links that touch across their axle cost thousands of springs, which joints keep unloaded."""
+    scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform([SIDE - 1e-9, 0.0, 0.0]))
+    with pytest.warns(RuntimeWarning, match=r"first.* and welded.* by 1e-06 mm .*pass through"):
+        scene.simulator.Initialize()
+    # Beside it, where turning parts or presses them, they go on touching.
+    scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform([0.0, SIDE - 1e-9, 0.0]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.simulator.Initialize()

@@ -44,10 +44,10 @@ double AreaBody::flatness() const {
   return flatness_ = area > 0 ? flat / area : 0;
 }
 
-std::shared_ptr<const AreaNodes> AreaBody::nodes(double spacing) const {
+std::shared_ptr<const AreaNodes> AreaBody::nodes(double spacing, const RoundLattice& round) const {
   const std::lock_guard lock(mutex_);
-  auto& kept = nodes_[spacing];
-  if (!kept) kept = std::make_shared<const AreaNodes>(mesh_, spacing);
+  auto& kept = nodes_[{spacing, round.across, round.along}];
+  if (!kept) kept = std::make_shared<const AreaNodes>(mesh_, spacing, round);
   return kept;
 }
 

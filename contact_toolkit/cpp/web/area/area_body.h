@@ -2,6 +2,7 @@
 // hundred parts in a bin do not build it a hundred times; each item is made when first asked for.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -32,7 +33,7 @@ class AreaBody {
   double overhang() const;
   // [-] The fraction of its surface that is in large flat sides: 1 of a box.
   double flatness() const;
-  std::shared_ptr<const AreaNodes> nodes(double spacing) const;
+  std::shared_ptr<const AreaNodes> nodes(double spacing, const RoundLattice& round = {}) const;
   std::shared_ptr<const DistanceBounds> bounds(double finest) const;
   std::shared_ptr<const FlatRegions> flats(double finest) const;
   std::shared_ptr<const WedgeRegions> wedges(double finest) const;
@@ -43,7 +44,7 @@ class AreaBody {
   std::shared_ptr<const ProbedSurface> surface_;
   mutable std::mutex mutex_;
   mutable double thickness_ = -1, flatness_ = -1, overhang_ = -1;  // not yet found
-  mutable std::map<double, std::shared_ptr<const AreaNodes>> nodes_;
+  mutable std::map<std::array<double, 3>, std::shared_ptr<const AreaNodes>> nodes_;
   mutable std::map<double, std::shared_ptr<const DistanceBounds>> bounds_;
   mutable std::map<double, std::shared_ptr<const FlatRegions>> flats_;
   mutable std::map<double, std::shared_ptr<const WedgeRegions>> wedges_;

@@ -17,7 +17,7 @@
 namespace contact_toolkit {
 
 struct AreaCandidates {
-  static constexpr std::int32_t kSmallest = -1, kOpen = -2, kDeeper = -3;
+  static constexpr std::int32_t kSmallest = -1, kOpen = -2, kDeeper = -3, kOpenSmallest = -4;
 
   struct Node {
     Vec3 p;              // in the sampled body
@@ -31,7 +31,8 @@ struct AreaCandidates {
     std::int32_t last;  // one past its parts
     // All of the probed body that it can meet, if it is flat there: see AreaWeb::GroundUnder();
     // kSmallest: it has no parts; kOpen: whether it is flat depends on the pose, its parts follow;
-    // kDeeper: its parts are a part of their own, heard only where this is.
+    // kDeeper: its parts are a part of their own, heard only where this is; kOpenSmallest: both,
+    // of a round surface, of which only the smallest may be taken for flat.
     std::int32_t ground;
     double area;                  // [m²]
     std::array<double, 3> share;  // [m²] of the surface, what falls to each corner
@@ -67,6 +68,9 @@ struct AreaCandidates {
 //   Clearance(p): of a node at p;
 //   GroundUnder(corners): see AreaCandidates::Triangle; -1 where it is not certain at all poses;
 //   IsNeverFlat(corners): whether that is certain to stay so at all poses;
+//   IsRound(corners): whether parts of a triangle do not lie in it;
+//   ClearanceAnywhere(corners): of a triangle, whatever it meets;
+//   Farthest(corners): how far they may yet move;
 //   MayLoadAbove(leaf, &side): whether a patch's leaf may have loaded nodes, where that is the side
 //     under all its triangles;
 //   ClearanceAbove(ground, corners): of a triangle, where that is all it can meet;
@@ -97,7 +101,8 @@ class CandidateGatherer {
                                         : largest);
           } else if (side >= 0) {
             AddFlat(largest, side, test_.ClearanceAbove(side, CornersOf(largest)));
-          } else {
+          } else if (const Corners corners = CornersOf(largest);
+                     !test_.IsRound(corners) || test_.MayLoad(corners)) {
             AddLargest(patch, i);
           }
         }
@@ -186,6 +191,7 @@ class CandidateGatherer {
 
   bool AddIfFlat(const AreaPatch::Triangle& triangle) {
     const Corners corners = CornersOf(triangle);
+    if (test_.IsRound(corners)) return false;
     const std::int32_t ground = test_.GroundUnder(corners);
     if (ground >= 0) AddFlat(triangle, ground, test_.ClearanceAbove(ground, corners));
     return ground >= 0;
@@ -196,6 +202,16 @@ class CandidateGatherer {
   }
 
   void AddSmallest(const AreaPatch::Triangle& triangle) {
+    const Corners corners = CornersOf(triangle);
+    if (test_.IsRound(corners)) {
+      const float least = test_.ClearanceAnywhere(corners);
+      if (least > test_.Farthest(corners)) return;
+      const std::int32_t ground = test_.GroundUnder(corners);
+      if (ground >= 0) return AddFlat(triangle, ground, test_.ClearanceAbove(ground, corners));
+      if (!test_.at_one_pose) {
+        return Push(triangle, AreaCandidates::kOpenSmallest, least);
+      }
+    }
     float least = kInfinity;
     for (const std::int32_t i : triangle.node) {
       float& clearance = seen_[i];

@@ -77,13 +77,14 @@ class AreaWeb::Loader {
       }
       const AreaCandidates::Triangle& triangle = candidates_.triangles[i];
       std::int32_t ground = triangle.ground;
-      if (ground == AreaCandidates::kOpen) ground = GroundUnder(triangle);
+      const bool open_smallest = ground == AreaCandidates::kOpenSmallest;
+      if (ground == AreaCandidates::kOpen || open_smallest) ground = GroundUnder(triangle);
       if (ground >= 0) {
         LoadFlat(triangle, ground);
         i = triangle.last;
         continue;
       }
-      if (triangle.ground == AreaCandidates::kSmallest) LoadSmallest(triangle);
+      if (triangle.ground == AreaCandidates::kSmallest || open_smallest) LoadSmallest(triangle);
       if (triangle.ground == AreaCandidates::kDeeper) scratch_.heard[triangle.deeper] = 1;
       ++i;
     }
@@ -120,26 +121,27 @@ class AreaWeb::Loader {
   // those from its sides.
   void LoadFlat(const AreaCandidates::Triangle& triangle, std::int32_t ground) {
     const auto sides = web_.SidesOf(ground);
+    const double bulge = RiseOver(triangle);
     WedgeCut cut(static_cast<int>(sides.size()));
     for (std::size_t s = 0; s < sides.size(); ++s) {
       const FlatSides::Side& side = web_.flats_->side(sides[s]);
       for (int j = 0; j < 3; ++j) {
-        cut.depth[s][j] = Felt(Dot(side.normal, Place(triangle.node[j])) - side.offset);
+        cut.depth[s][j] = Felt(Dot(side.normal, Place(triangle.node[j])) - side.offset) + bulge;
       }
       if (!(cut.depth[s][0] > 0 || cut.depth[s][1] > 0 || cut.depth[s][2] > 0)) return;
     }
     const int least = cut.LeastEverywhere();
     if (least >= 0) {
       const auto loads = LoadsOf(triangle, sides[least], ground);
-      Load(triangle, loads, cut.depth[least], 0);
+      Load(triangle, loads, cut.depth[least], bulge);
       for (const std::int32_t load : loads) ++scratch_.loads[load].num_facing;
       return;
     }
-    LoadPieces(triangle, ground, cut);
+    LoadPieces(triangle, ground, cut, bulge);
   }
 
   void LoadPieces(const AreaCandidates::Triangle& triangle, std::int32_t ground,
-                  const WedgeCut& cut) {
+                  const WedgeCut& cut, double bulge) {
     const auto sides = web_.SidesOf(ground);
     const int facing = Facing(triangle, sides);
     std::array<std::array<std::int32_t, 3>, Wedge::kMostSides> loads;
@@ -155,7 +157,7 @@ class AreaWeb::Loader {
       if (!bears[s]) continue;
       loads[s] = LoadsOf(triangle, sides[s], ground);
       for (int j = 0; j < 3; ++j) {
-        Add(loads[s][j], sum[j], 0);
+        Add(loads[s][j], sum[j], bulge);
         if (s == facing) ++scratch_.loads[loads[s][j]].num_facing;
       }
       if (springs_.slopes.wanted) scratch_.couplings.push_back({loads[s], loads[s], slope});
@@ -249,10 +251,18 @@ class AreaWeb::Loader {
     if (d[0] > 0 || d[1] > 0 || d[2] > 0) Load(triangle, triangle.node, d, bulge);
   }
 
+  // [m] By which a round sampled body is deeper over a triangle, on average, than its corners.
+  double RiseOver(const AreaCandidates::Triangle& triangle) const {
+    const RoundLattice& round = web_.nodes_->round();
+    if (!round) return 0;
+    const auto& [a, b, c] = triangle.node;
+    return round.BulgeOver({nodes_[a].p, nodes_[b].p, nodes_[c].p});
+  }
+
   // [m] By which a round body is deeper over a triangle, on average, than its corners tell: the
   // mean of 1/2 Σ λ_i λ_j |e_ij|² κ, isotropic, so that it does not depend on the pose.
   double BulgeOver(const AreaCandidates::Triangle& triangle) const {
-    if (!(web_.most_bulge_ > 0)) return 0;
+    if (!(web_.bulge_ > 0)) return RiseOver(triangle);
     const auto& [a, b, c] = triangle.node;
     return web_.bulge_ *
            (SquaredNorm(nodes_[b].p - nodes_[a].p) + SquaredNorm(nodes_[c].p - nodes_[b].p) +

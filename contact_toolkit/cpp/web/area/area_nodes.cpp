@@ -65,21 +65,18 @@ bool CutAcross(const Vec3& apex, const Vec3& a, const Vec3& b, const Splits& spl
   return true;
 }
 
-// Calls emit(part) for the parts of a triangle where splits(a, b) asks to cut its edges; false
-// where it needs no cut.
-template <typename Splits, typename Emit>
-bool CutOnce(const std::array<Vec3, 3>& t, const Splits& splits, const Emit& emit) {
-  double squared[3];
-  for (int k = 0; k < 3; ++k) squared[k] = SquaredNorm(t[(k + 1) % 3] - t[k]);
-  const int base = static_cast<int>(std::min_element(squared, squared + 3) - squared);
-  if (CutAcross(t[(base + 2) % 3], t[base], t[(base + 1) % 3], splits, emit)) return true;
+// Calls emit(part) for the parts of a triangle whose edges are cut at between(a, b) where
+// splits(a, b) asks for it; false where it needs no cut.
+template <typename Splits, typename Between, typename Emit>
+bool CutInHalves(const std::array<Vec3, 3>& t, const Splits& splits, const Between& between,
+                 const Emit& emit) {
   bool split[3];
   int count = 0, first = -1;
   for (int k = 0; k < 3; ++k) {
     split[k] = splits(t[k], t[(k + 1) % 3]);
     if (split[k]) ++count, first = k;
   }
-  const auto middle = [&](int k) { return 0.5 * (t[k % 3] + t[(k + 1) % 3]); };
+  const auto middle = [&](int k) { return between(t[k % 3], t[(k + 1) % 3]); };
   if (count == 3) {
     const Vec3 m[3] = {middle(0), middle(1), middle(2)};
     emit({t[0], m[0], m[2]});
@@ -106,6 +103,16 @@ bool CutOnce(const std::array<Vec3, 3>& t, const Splits& splits, const Emit& emi
     }
   }
   return count > 0;
+}
+
+// The same in the middle, after what is too narrow for that.
+template <typename Splits, typename Emit>
+bool CutOnce(const std::array<Vec3, 3>& t, const Splits& splits, const Emit& emit) {
+  double squared[3];
+  for (int k = 0; k < 3; ++k) squared[k] = SquaredNorm(t[(k + 1) % 3] - t[k]);
+  const int base = static_cast<int>(std::min_element(squared, squared + 3) - squared);
+  return CutAcross(t[(base + 2) % 3], t[base], t[(base + 1) % 3], splits, emit) ||
+         CutInHalves(t, splits, [](const Vec3& a, const Vec3& b) { return 0.5 * (a + b); }, emit);
 }
 
 // Calls emit(part) for the parts that need no further cut.
@@ -184,8 +191,9 @@ double RadiusOf(const std::array<Vec3, 3>& triangle) {
   return std::sqrt(squared);
 }
 
-AreaNodes::AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing)
-    : mesh_(std::move(mesh)), spacing_(spacing) {
+AreaNodes::AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing,
+                     const RoundLattice& round)
+    : mesh_(std::move(mesh)), spacing_(spacing), round_(round) {
   BuildSharpEdges();
   BuildPatches();
 }
@@ -218,9 +226,26 @@ bool AreaNodes::Splits(const Vec3& a, const Vec3& b) const {
   return squared > spacing * spacing;
 }
 
+// On the round surface of a lattice.
+bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
+  const Vec3 e = b - a;
+  if (!round_.OnSide(a, b)) return SquaredNorm(e) > round_.across * round_.across;
+  const double around = std::sqrt(e.x * e.x + e.y * e.y), along = std::abs(e.z);
+  if (around > round_.across || along > round_.along) return true;
+  if (!sharp_edges_) return false;
+  // Of a cylinder's rims.
+  const double share = SpacingAt(0.5 * (a + b)) / spacing_;
+  return around > share * round_.across || along > share * round_.along;
+}
+
 template <typename Emit>
 bool AreaNodes::Cut(const Corners& triangle, const Emit& emit) const {
-  return CutOnce(triangle, [&](const Vec3& a, const Vec3& b) { return Splits(a, b); }, emit);
+  if (!round_.IsRound(triangle)) {
+    return CutOnce(triangle, [&](const Vec3& a, const Vec3& b) { return Splits(a, b); }, emit);
+  }
+  return CutInHalves(
+      triangle, [&](const Vec3& a, const Vec3& b) { return SplitsRound(a, b); },
+      [&](const Vec3& a, const Vec3& b) { return round_.Raised(0.5 * (a + b)); }, emit);
 }
 
 void AreaNodes::BuildPatches() {
@@ -249,15 +274,23 @@ void AreaNodes::BuildPatches() {
     const auto splits = [&](const Vec3& a, const Vec3& b) {
       return SquaredNorm(b - a) > largest * largest && Splits(a, b);
     };
-    CutUntil(whole, splits, [&](const Corners& t) {
-      const double expected = 1 + 4 * AreaOf(t) / (spacing_ * spacing_);
+    const auto add = [&](const Corners& t) {
+      const double cell = round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;
+      const double expected = 1 + 4 * AreaOf(t) / cell;
       const bool full = triangles == kPatchTriangles || parts + expected > kPatchParts;
       if (triangles > 0 && (full || Norm(t[0] - corner) > 2 * longest)) close();
       if (triangles == 0) corner = t[0];
       roots_.push_back(t);
       side_of_root_.push_back(sides[facet]);
       ++triangles, parts += expected;
-    });
+    };
+    if (!round_.IsRound(whole)) {
+      CutUntil(whole, splits, add);
+    } else if (round_.OnSide(whole)) {
+      round_.CutSide(whole, add);
+    } else {
+      add(whole);
+    }
   }
   close();
   tree_ = SphereTree(std::move(spheres));
@@ -308,8 +341,10 @@ std::unique_ptr<AreaPatch> AreaNodes::MakePatch(std::int32_t index) const {
   for (AreaPatch::Triangle& triangle : patch->triangles) shares.Give(0, false, &triangle);
   std::vector<Sphere> spheres;
   const auto count = static_cast<std::int32_t>(patch->triangles.size());
-  for (std::int32_t first = 0; first < count; first += kLeafTriangles) {
-    const std::int32_t last = std::min(count, first + kLeafTriangles);
+  // Triangles of a round surface turn away from what it touches, each on its own.
+  const int in_leaf = round_ ? 1 : kLeafTriangles;
+  for (std::int32_t first = 0; first < count; first += in_leaf) {
+    const std::int32_t last = std::min(count, first + in_leaf);
     const std::int32_t root = first_root_[index] + first;
     spheres.push_back(SphereAround(roots_[root].data(), 3 * (last - first)));
     double largest = 0;

@@ -19,6 +19,7 @@
 #include "math/sphere_tree.h"
 #include "math/vec.h"
 #include "shapes/mesh.h"
+#include "web/area/round_lattice.h"
 
 namespace contact_toolkit {
 
@@ -75,10 +76,13 @@ struct AreaParts {
 class AreaNodes {
  public:
   // `spacing` [m]: the longest edge of a subtriangle; a quarter of it on sharp convex edges,
-  // growing linearly to the whole at twice the spacing from them.
-  AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing);
+  // growing linearly to the whole at twice the spacing from them. With a lattice, what the mesh
+  // stands for is sampled: parts rise out of it, by no more than it lacks.
+  AreaNodes(std::shared_ptr<const CollisionMesh> mesh, double spacing,
+            const RoundLattice& round = {});
 
   double spacing() const { return spacing_; }
+  const RoundLattice& round() const { return round_; }
   // Over the patches.
   const SphereTree& tree() const { return tree_; }
   const AreaPatch& patch(std::int32_t index) const;
@@ -92,6 +96,7 @@ class AreaNodes {
   void BuildPatches();
   double SpacingAt(const Vec3& p) const;
   bool Splits(const Vec3& a, const Vec3& b) const;
+  bool SplitsRound(const Vec3& a, const Vec3& b) const;
   template <typename Emit>
   bool Cut(const Corners& triangle, const Emit& emit) const;
   class Numbering;
@@ -101,6 +106,7 @@ class AreaNodes {
 
   std::shared_ptr<const CollisionMesh> mesh_;
   double spacing_;
+  RoundLattice round_;
   std::unique_ptr<Bvh> sharp_edges_;  // as facets that repeat a vertex; null when there are none
   std::vector<Corners> roots_;        // the largest triangles, in spatial order
   std::vector<std::int32_t> side_of_root_;  // of the surface, see FindSides()

@@ -46,7 +46,8 @@ class AreaWeb final : public SpringWeb {
  public:
   // By default the smaller body is sampled: it moves on the other as a rule, and nodes that come
   // and go at its rim would brake it. A much flatter one is probed, where the distance is exact and
-  // its pieces linear. Before that, a much thinner one is sampled: a deep contact would push the
+  // its pieces linear, above all by capsules and cylinders, whose lattice has few nodes where they
+  // lie on it. Before that, a much thinner one is sampled: a deep contact would push the
   // other out of its wrong side. Bodies within 1 %: the one of more facets, then A. One without an
   // inside is sampled unless both are without, a round one only if both are. Throws
   // std::invalid_argument naming the option and the mend.
@@ -107,6 +108,7 @@ class AreaWeb final : public SpringWeb {
   // A round body bulges between nodes: by this times the sum of a triangle's squared edges [1/m],
   // and nowhere by more than so much [m].
   double bulge_ = 0, most_bulge_ = 0;
+  double rise_ = 0;         // [m] by which the sampled surface stands out of its mesh
   double flat_margin_ = 0;  // [m] by which the field looks beyond a point
   double overhang_ = 0;     // [m] by which the probed surface stands out of its mesh
   std::shared_ptr<const CollisionMesh> sampled_;
