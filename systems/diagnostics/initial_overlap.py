@@ -24,8 +24,6 @@ POLICIES = ("ease", "filter", "warn", "raise")
 # soft; and of the weight of the lighter body, which tells what is soft from what overlaps.
 _DEEP = 5e-3
 _HEAVY = 10.0
-# [-] Of the weight of a whole tree: faces of its hinges that touch press less, a press fit more.
-_SLIGHT = 5e-2
 _LISTED = 6  # pairs listed in the warning; a scene of bricks may have hundreds
 
 
@@ -88,13 +86,12 @@ class InitialOverlap:
         group_of = joint_trees(plant)
         rows = zip(model.geometry_bodies, model.geometries, strict=True)
         whole = WholeBodies(plant, ((bodies[row], each.mesh, each.X_BG) for row, each in rows))
-        self._within, self._deep, self._heavy, self._slight = [], [], [], []
+        self._within, self._deep, self._heavy = [], [], []
         for pair in model.pairs:
             a, b = (bodies[model.geometry_bodies[side]] for side in (pair.a, pair.b))
             self._within.append(group_of[a] == group_of[b])
             sides = whole.of(a), whole.of(b)
             self._deep.append(_DEEP * min(side.diagonal for side in sides))
-            self._slight.append(_SLIGHT * min(side.load for side in sides))
             weight = min(side.weight for side in sides)
             self._heavy.append(_HEAVY * weight if math.isfinite(weight) else 0.0)
 
@@ -102,8 +99,7 @@ class InitialOverlap:
         """Return the pairs that overlap, the deepest first.
 
         X_WB (nb, 4, 4) and q (nq,) are the poses and the plant's positions; without the latter
-        nobody looks at what joints allow. What just touches, where joints let it neither part nor
-        press, counts too.
+        nobody looks at what joints allow.
         """
         contacts = forces.contacts
         inside = self._inside.find(X_WB)
@@ -123,12 +119,6 @@ class InitialOverlap:
                 held = joints is not None and joints.holds_against_push(pair)
                 stays = self._within[pair] or held
                 overlaps.append(Overlap(pair, max(depth, ball), force, stays))
-            elif (
-                joints is not None
-                and 0 < force <= self._slight[pair]
-                and joints.holds_everywhere(pair)
-            ):
-                overlaps.append(Overlap(pair, depth, force, stays=True))
         return sorted(overlaps, key=lambda overlap: (-overlap.depth, overlap.pair))
 
     def begin(

@@ -16,7 +16,6 @@ Floats = NDArray[np.float64]
 # [-] Of what a push would give to all of the plant's mass at once: what moves joints less parts
 # nothing, whatever its force.
 _HELD = 1e-2
-_MOST_SPRINGS = 500  # looked at one by one, of as many as there are
 
 
 class JointHold:
@@ -53,24 +52,14 @@ class JointHold:
         """Whether all springs together hardly move the joints, such as those around an axle."""
         rows = np.flatnonzero(self._contacts.pair == pair)
         force = self._contacts.normal_force[rows]
-        moved = self._moved(pair, rows, force[None])[0]
+        generalized = self._generalized(pair, rows, force)
+        moved = generalized @ self._lightness @ generalized  # [N²/kg]
         return bool(moved * self._mass <= _HELD * force.sum() ** 2)
 
-    def holds_everywhere(self, pair: int) -> bool:
-        """Whether each spring hardly moves the joints, such as between the faces of a hinge.
-
-        Those at their rims, which push aside, count by what they bear.
-        """
-        rows = np.flatnonzero(self._contacts.pair == pair)
-        rows = rows[:: 1 + len(rows) // _MOST_SPRINGS]
-        force = self._contacts.normal_force[rows]
-        moved = self._moved(pair, rows, np.eye(len(rows)))
-        return bool(force.sum() > 0 and force @ moved * self._mass <= _HELD * force.sum())
-
-    def _moved(self, pair: int, rows: NDArray[np.intp], force: Floats) -> Floats:
-        """Return f J M⁻¹ Jᵀ fᵀ [N²/kg] for each set (n, rows) of forces along the normals."""
+    def _generalized(self, pair: int, rows: NDArray[np.intp], force: Floats) -> Floats:
+        """Return what forces (rows,) along the normals are to the joints, (nv,)."""
         normal, point = self._contacts.normal_F[rows], self._contacts.p_FC[rows]
-        generalized = np.zeros((len(force), self._plant.num_velocities()))
+        generalized = np.zeros(self._plant.num_velocities())
         sides = self._model.pairs[pair].a, self._model.pairs[pair].b
         world = self._plant.world_frame()
         for sign, geometry in zip((1, -1), sides, strict=True):
@@ -81,4 +70,4 @@ class JointHold:
                 self._context, JacobianWrtVariable.kV, body.body_frame(), np.zeros(3), world, world
             )
             generalized += sign * (force @ wrench) @ J
-        return np.einsum("ni,ij,nj->n", generalized, self._lightness, generalized)
+        return generalized

@@ -207,13 +207,10 @@ def test_links_drawn_at_one_place_pass_through_each_other():
         scene.simulator.Initialize()
 
 
-def test_faces_of_a_hinge_bear_nothing():
-    """Links that touch across their axle cost thousands of springs, which joints keep unloaded."""
-    scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform([SIDE - 1e-9, 0.0, 0.0]))
-    with pytest.warns(RuntimeWarning, match=r"first.* and welded.* by 1e-06 mm .*pass through"):
-        scene.simulator.Initialize()
-    # Beside it, where turning parts or presses them, they go on touching.
-    scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform([0.0, SIDE - 1e-9, 0.0]))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        scene.simulator.Initialize()
+def test_what_only_touches_goes_on_touching():
+    """Faces of a hinge bear next to nothing where it stands; what comes after is not known."""
+    for p in ([SIDE - 1e-9, 0.0, 0.0], [0.0, SIDE - 1e-9, 0.0]):
+        scene = Mounted((1.0, 0.0, 0.0), 1.0, RigidTransform(p))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            scene.simulator.Initialize()

@@ -14,7 +14,7 @@ from systems.plant.whole_bodies import WholeBody
 def test_the_softer_side_lends_its_dissipation(soft_is_first):
     """Weights that are swapped: the hard side's dissipation, which hardly deforms."""
     mesh = CollisionMesh(*primitives.box([0.1, 0.1, 0.1]))
-    whole = WholeBody(diagonal=mesh.diagonal, weight=10.0)
+    whole = WholeBody(diagonal=mesh.diagonal, weight=10.0, load=10.0)
     soft = Side(0, mesh, ProximityMaterial(0.5, 0.5, 3.0, 1e6, 1e5), whole)
     hard = Side(1, mesh, ProximityMaterial(0.5, 0.5, 0.6, 4e6, 1e5), whole)
     sides = (soft, hard) if soft_is_first else (hard, soft)

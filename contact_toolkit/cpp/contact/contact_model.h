@@ -44,9 +44,9 @@ class ContactModel {
                                               const ContactState* state) const;
 
   // Pair by pair, for callers that move bodies about until forces balance: the loaded springs of
-  // one pair, and their forces; `stretches` and `springs` have an entry a spring. FindPair relies on
-  // what is known of the pair's surroundings, from the state or in `found`; false where it had to
-  // search all the same.
+  // one pair, and their forces; `stretches` and `springs` have an entry a spring. FindPair relies
+  // on what is known of the pair's surroundings, from the state or in `found`; false where it had
+  // to search all the same.
   bool FindPair(int pair, std::span<const Pose> X_FB, const ContactState* state,
                 PairSprings* found) const;
   // Sets what is known of the surroundings where this was found, if the way from the last search is
