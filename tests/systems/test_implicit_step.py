@@ -446,7 +446,7 @@ def jackknife(plant: MultibodyPlant) -> None:
 
 
 def test_ports_tell_the_forces_that_acted():
-    """Links that turn fast reach other poses than were solved for (broken: 4e-5 off; 9 % on a quadruped)."""
+    """Links that turn fast reach other poses than were solved for (broken: by 4e-5)."""
     step = 2e-3
     scene = build(jackknife, step=step)
     first = scene.plant.GetBodyByName("first")
