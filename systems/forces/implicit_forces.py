@@ -40,6 +40,8 @@ class StepRecord(NamedTuple):
         The step; None before the first.
     reported
         What has been warned about.
+    acted
+        The forces of the step before, which led to the start of this one.
     """
 
     state: ContactState
@@ -47,6 +49,7 @@ class StepRecord(NamedTuple):
     inputs: Mapping[str, object]
     step: SolvedStep | None
     reported: Reported
+    acted: Forces | None = None
 
     def __deepcopy__(self, memo: dict[int, object]) -> StepRecord:
         """Return itself: immutable, so a context may copy it for free."""
@@ -55,7 +58,7 @@ class StepRecord(NamedTuple):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle it without lists of forces: Drake does not pickle them, and they never agree."""
         arrays = {name: each for name, each in self.inputs.items() if isinstance(each, np.ndarray)}
-        return StepRecord, (self.state, self.x, arrays, self.step, self.reported)
+        return StepRecord, (self.state, self.x, arrays, self.step, self.reported, self.acted)
 
 
 class Arrival(NamedTuple):
@@ -69,15 +72,18 @@ class Arrival(NamedTuple):
         The plant's state, (nq + nv).
     ahead
         Whether the recorded step starts here, the plant not yet having taken it.
-    state, forces
+    state
         Of contact.
+    acted
+        The forces that led here. Where joints bend the way that bodies took, those at the very
+        poses that they reached differ a little: the state holds these.
     """
 
     record: StepRecord
     x: Floats
     ahead: bool
     state: ContactState
-    forces: Forces
+    acted: Forces
 
     def __deepcopy__(self, memo: dict[int, object]) -> Arrival:
         """Return itself, as `StepRecord` does."""
@@ -148,22 +154,22 @@ class ImplicitForces(ForceSource):
             and abs(time - solution.start_time) < self._half_step
             and record.x == x.tobytes()
         ):
-            assert record.state.forces is not None
-            output.set_value(Arrival(record, x, True, record.state, record.state.forces))
+            assert record.acted is not None
+            output.set_value(Arrival(record, x, True, record.state, record.acted))
             return
         X_WB, V_WB = self._motion.read(context)
         if solution is not None and abs(time - solution.end_time) < self._half_step:
-            forces = solution.forces
-            if not forces.are_at(X_WB, V_WB):
-                forces = self._model.evaluate(X_WB, V_WB, record.state)
-            state = self._model.advance_implicitly(record.state, solution.end_time, forces)
+            acted = reached = solution.forces
+            if not acted.are_at(X_WB, V_WB):
+                reached = self._model.evaluate(X_WB, V_WB, record.state)
+            state = self._model.advance_implicitly(record.state, solution.end_time, reached)
         else:
-            forces = self._model.evaluate(X_WB, V_WB, record.state)
-            state = self._model.advance(record.state, time, forces)
-        output.set_value(Arrival(record, x, False, state, forces))
+            acted = self._model.evaluate(X_WB, V_WB, record.state)
+            state = self._model.advance(record.state, time, acted)
+        output.set_value(Arrival(record, x, False, state, acted))
 
     def _solve(self, context: Context, output: AbstractValue) -> None:
-        record, x, ahead, state, _ = self._present.Eval(context)
+        record, x, ahead, state, acted = self._present.Eval(context)
         inputs = self._inputs.read(context)
         if ahead and _same(record.inputs, inputs):
             output.set_value(record)
@@ -172,7 +178,7 @@ class ImplicitForces(ForceSource):
         if last is not None and abs(time - last.solution.end_time) >= self._half_step:
             last = None
         step = self._implicit_step().solve(time, x, inputs, state, last)
-        output.set_value(StepRecord(state, x.tobytes(), inputs, step, record.reported))
+        output.set_value(StepRecord(state, x.tobytes(), inputs, step, record.reported, acted))
 
     def _implicit_step(self) -> ImplicitStep:
         if self._step is None:
@@ -201,7 +207,7 @@ class ImplicitForces(ForceSource):
         )
 
     def forces(self, context: Context) -> Forces:
-        return self._present.Eval(context).forces
+        return self._present.Eval(context).acted
 
     def present_state(self, context: Context) -> ContactState:
         return self._present.Eval(context).state
