@@ -15,7 +15,7 @@ NATIVE := CMakeLists.txt $(shell find contact_toolkit/cpp -name '*.cpp' -o -name
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help build demo test test-slow bench bench-steps docs lint format types debug clang plain arm sanitize tsan \
+.PHONY: help build demo test test-slow test-models bench bench-steps docs lint format types debug clang plain arm sanitize tsan \
         wheel wheels wheel-test clean distclean check-python
 
 help:  ## show this list
@@ -73,6 +73,9 @@ test: build  ## run the tests, all but the slow ones
 # pytest's 5: there are none
 test-slow: build  ## run the slow tests
 	$(PYTEST) -n $(WORKERS) --dist loadfile -m slow $(ARGS) || [ $$? = 5 ]
+
+test-models: build $(VENV)/.extra-models  ## let model files of others fall on a table
+	$(PYTEST) -n $(WORKERS) -m slow tests/systems/test_model_zoo.py $(ARGS)
 
 bench: build $(VENV)/.extra-bench  ## measure against the yardsticks
 	$(BIN)/python -m benchmarks --out benchmarks $(ARGS)
