@@ -110,8 +110,11 @@ def mean_weight(plant: MultibodyPlant) -> float:
 
 
 def camera_for(points: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Return where to stand and where to look to see points (n, 3) [m] of bodies that large [m]."""
-    low, high = np.percentile(points, [5.0, 95.0], axis=0)
+    """Return where to stand and where to look to see points (n, 3) [m] of bodies that large [m].
+
+    Of none, as when a run fails at its start, where bodies of that size would be about the origin.
+    """
+    low, high = np.percentile(points if len(points) else np.zeros((1, 3)), [5.0, 95.0], axis=0)
     target = (low + high) / 2
     size = np.linalg.norm(high - low) / 2 + 1.2 * radius
     return target + 1.5 * size * _VIEW, target

@@ -29,6 +29,13 @@ def test_one_body_that_flies_off_does_not_take_the_camera_along():
     assert np.linalg.norm(camera) < 10.0
 
 
+def test_a_run_that_failed_at_its_start_has_a_camera_too():
+    """Nothing was recorded: the picture's error hid the run's own."""
+    camera, target = camera_for(np.empty((0, 3)), 0.1)
+    np.testing.assert_array_equal(target, np.zeros(3))
+    assert 0.1 < np.linalg.norm(camera) < 1.0
+
+
 def test_an_arrow_is_a_shaft_with_two_barbs_and_has_a_longest_length():
     """An impact's arrow would fill the picture, a vertical one would lose its barbs."""
     point = np.zeros((3, 3))
