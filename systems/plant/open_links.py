@@ -44,8 +44,7 @@ def without_open_links(
             and not (a.mesh.solid.has_inside or b.mesh.solid.has_inside)
         )
 
-    kept = [pair for pair in pairs if not is_open(pair)]
-    dropped = [pair for pair in pairs if pair not in set(kept)]
+    dropped = [pair for pair in pairs if is_open(pair)]
     if dropped:
         shells = {side: as_contact(geometries[side]) for pair in dropped for side in pair}
         listed = list(shells.values())[:_LISTED]
@@ -61,4 +60,5 @@ def without_open_links(
             UserWarning,
             stacklevel=4,
         )
-    return kept
+    left_out = set(dropped)
+    return [pair for pair in pairs if pair not in left_out]

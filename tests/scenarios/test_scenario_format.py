@@ -241,7 +241,7 @@ def test_the_schema_tells_every_key_with_unit_default_and_choices():
     ),
     ids=lambda path: path.stem,
 )
-def test_the_json_schema_accepts_the_library_and_the_drafts(path):
+def test_the_json_schema_accepts_what_runs(path):
     """Editors would underline what runs; a misspelt key must be underlined."""
     schema = json.loads(json_schema())
     contents = yaml_load(filename=str(path))

@@ -29,7 +29,7 @@ struct AreaCandidates {
   struct Triangle {
     std::array<std::int32_t, 3> node;
     std::int32_t last;  // one past its parts
-    // All of the probed body that it can meet, if it is flat there: see AreaWeb::GroundUnder();
+    // All of the probed body that it can meet, if it is flat there: see AreaGrounds::Under();
     // kSmallest: it has no parts; kOpen: whether it is flat depends on the pose, its parts follow;
     // kDeeper: its parts are a part of their own, heard only where this is; kOpenSmallest: both,
     // of a round surface, of which only the smallest may be taken for flat.
@@ -128,7 +128,6 @@ class CandidateGatherer {
   static constexpr float kUnseen = -std::numeric_limits<float>::max();
   static constexpr float kUnasked = std::numeric_limits<float>::quiet_NaN();
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  using Corners = std::array<Vec3, 3>;
 
   Corners CornersOf(const AreaPatch::Triangle& triangle) const {
     return {nodes_[triangle.node[0]], nodes_[triangle.node[1]], nodes_[triangle.node[2]]};

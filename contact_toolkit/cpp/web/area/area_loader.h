@@ -92,7 +92,7 @@ class AreaWeb::Loader {
 
   std::int32_t GroundUnder(const AreaCandidates::Triangle& triangle) const {
     const auto& [a, b, c] = triangle.node;
-    return web_.GroundUnder(X_PS_, {nodes_[a].p, nodes_[b].p, nodes_[c].p}, 0);
+    return web_.grounds_.Under(X_PS_, {nodes_[a].p, nodes_[b].p, nodes_[c].p}, 0);
   }
 
   void ProbeAt(std::int32_t i) {
@@ -120,11 +120,11 @@ class AreaWeb::Loader {
   // Above one side of the probed body the deformation is linear, above a wedge it is the least of
   // those from its sides.
   void LoadFlat(const AreaCandidates::Triangle& triangle, std::int32_t ground) {
-    const auto sides = web_.SidesOf(ground);
+    const auto sides = web_.grounds_.SidesOf(ground);
     const double bulge = RiseOver(triangle);
     WedgeCut cut(static_cast<int>(sides.size()));
     for (std::size_t s = 0; s < sides.size(); ++s) {
-      const FlatSides::Side& side = web_.flats_->side(sides[s]);
+      const FlatSides::Side& side = web_.grounds_.side(sides[s]);
       for (int j = 0; j < 3; ++j) {
         cut.depth[s][j] = Felt(Dot(side.normal, Place(triangle.node[j])) - side.offset) + bulge;
       }
@@ -142,7 +142,7 @@ class AreaWeb::Loader {
 
   void LoadPieces(const AreaCandidates::Triangle& triangle, std::int32_t ground,
                   const WedgeCut& cut, double bulge) {
-    const auto sides = web_.SidesOf(ground);
+    const auto sides = web_.grounds_.SidesOf(ground);
     const int facing = Facing(triangle, sides);
     std::array<std::array<std::int32_t, 3>, Wedge::kMostSides> loads;
     std::array<bool, Wedge::kMostSides> bears{};
@@ -212,7 +212,7 @@ class AreaWeb::Loader {
     int facing = 0;
     double least = kUnknown;
     for (std::size_t s = 0; s < sides.size(); ++s) {
-      const double toward = -Dot(normal, web_.flats_->side(sides[s]).normal);
+      const double toward = -Dot(normal, web_.grounds_.side(sides[s]).normal);
       if (toward > least) least = toward, facing = static_cast<int>(s);
     }
     return facing;
@@ -354,15 +354,15 @@ class AreaWeb::Loader {
   // to be gathered: its field is that of the side.
   FieldValue FieldAt(std::int32_t i, const NodeLoad& load) const {
     if (load.side < 0) return scratch_.probed[i].field;
-    const FlatSides::Side& side = web_.flats_->side(load.side);
+    const FlatSides::Side& side = web_.grounds_.side(load.side);
     return {Dot(side.normal, scratch_.probed[i].p) - side.offset, side.normal, 0, -1};
   }
 
   // [m] What the node is over the ground; above a wedge its side may be farther away.
   double Height(std::int32_t i, const NodeLoad& load, double phi) const {
     if (load.side < 0) return phi;
-    for (const std::int32_t s : web_.SidesOf(load.ground)) {
-      const FlatSides::Side& side = web_.flats_->side(s);
+    for (const std::int32_t s : web_.grounds_.SidesOf(load.ground)) {
+      const FlatSides::Side& side = web_.grounds_.side(s);
       phi = std::max(phi, Dot(side.normal, scratch_.probed[i].p) - side.offset);
     }
     return phi;

@@ -9,7 +9,6 @@
 #include "shapes/point_numbers.h"
 #include "shapes/sharp_edges.h"
 #include "web/area/flat_sides.h"
-#include "web/area/triangle_cut.h"
 
 namespace contact_toolkit {
 namespace {
@@ -25,7 +24,7 @@ constexpr double kPatchSpacings = 16;   // the longest edge of a triangle
 constexpr double kMostPatches = 50000;  // about: a plate of sheet metal under a pea has large ones
 constexpr int kLeafTriangles = 8;
 
-double AreaOf(const std::array<Vec3, 3>& t) { return 0.5 * Norm(Cross(t[1] - t[0], t[2] - t[0])); }
+double AreaOf(const Corners& t) { return 0.5 * Norm(Cross(t[1] - t[0], t[2] - t[0])); }
 
 // What falls to each node of a patch, by how often the triangles around it are cut: fixed in the
 // mesh, so that a node's friction is as stiff whatever of its surroundings bears load.
@@ -89,7 +88,7 @@ std::int32_t NameOf(std::int32_t patch, std::size_t place) {
 
 }  // namespace
 
-double RadiusOf(const std::array<Vec3, 3>& triangle) {
+double RadiusOf(const Corners& triangle) {
   const Vec3 center = CenterOf(triangle);
   double squared = 0;
   for (const Vec3& corner : triangle) squared = std::max(squared, SquaredNorm(corner - center));

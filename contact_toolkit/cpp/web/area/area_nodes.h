@@ -20,14 +20,15 @@
 #include "math/vec.h"
 #include "shapes/mesh.h"
 #include "web/area/round_lattice.h"
+#include "web/area/triangle_cut.h"
 
 namespace contact_toolkit {
 
-inline Vec3 CenterOf(const std::array<Vec3, 3>& triangle) {
+inline Vec3 CenterOf(const Corners& triangle) {
   return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
 }
 // [m] Of the ball about that.
-double RadiusOf(const std::array<Vec3, 3>& triangle);
+double RadiusOf(const Corners& triangle);
 
 // Part of a surface. Nodes on the border to a neighbouring patch exist in both, each with the share
 // of the area that lies in its own. So do those on a sharp edge, in the two sides it parts:
@@ -60,11 +61,10 @@ struct AreaPatch {
 // touched.
 struct AreaParts {
   struct Deeper {
-    std::array<Vec3, 3> corners;
+    Corners corners;
     std::int32_t patch;  // a name for it
     Lazy<AreaParts> parts;
-    Deeper(const std::array<Vec3, 3>& triangle, std::int32_t name)
-        : corners(triangle), patch(name) {}
+    Deeper(const Corners& triangle, std::int32_t name) : corners(triangle), patch(name) {}
   };
   std::int32_t patch;
   std::vector<Vec3> nodes;
@@ -90,8 +90,6 @@ class AreaNodes {
   const AreaParts& parts(const AreaParts::Deeper& deeper) const;
 
  private:
-  using Corners = std::array<Vec3, 3>;
-
   void BuildSharpEdges();
   void BuildPatches();
   double SpacingAt(const Vec3& p) const;

@@ -159,16 +159,20 @@ AreaWeb::AreaWeb(std::shared_ptr<const AreaBody> A, std::shared_ptr<const AreaBo
       capture_depth_ = std::min(capture_depth_, deepest - kSmoothedCells * cell_);
     }
     smooth_ = probed.smooth_field(cell_);
-    flat_margin_ = 2 * smooth_->support();
   }
-  if (surface_->closed() && surface_->primitive().has_flat_sides())
-    flats_ = probed.flats(0.5 * spacing_);
+  std::shared_ptr<const FlatRegions> flats;
+  if (surface_->closed() && surface_->primitive().has_flat_sides()) {
+    flats = probed.flats(0.5 * spacing_);
+  }
   // Outside a wedge the distance is not linear, what is not the whole boundary tells nothing, and
   // only with n = 1 are pieces integrated exactly.
   const bool polyhedron =
       surface_->solid().kind() == SolidKind::kClosed && !(surface_->primitive().roundness() > 0);
-  if (polyhedron && flats_ && !(options.standoff > 0) && options.exponent == 1)
-    wedges_ = probed.wedges(0.5 * spacing_);
+  std::shared_ptr<const WedgeRegions> wedges;
+  if (polyhedron && flats && !(options.standoff > 0) && options.exponent == 1) {
+    wedges = probed.wedges(0.5 * spacing_);
+  }
+  grounds_ = AreaGrounds(std::move(flats), std::move(wedges), smooth_);
 }
 
 double AreaWeb::reach() const {
@@ -201,94 +205,6 @@ auto AreaWeb::WithProbe(const Function& function) const {
                  : function(ExactProbe(*surface_, *bounds_, options_.standoff + most_bulge_));
 }
 
-std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
-                                double way) const {
-  if (!flats_) return -1;
-  const double radius = RadiusOf(corners);
-  auto [side, clear, doubt, at_most] = flats_->About(X_PS * CenterOf(corners), radius);
-  if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
-  if (!(clear > radius)) return -1;
-  const FlatSides::Side& plane = flats_->side(side);
-  double most = way;
-  for (const Vec3& corner : corners) {
-    most = std::max(most, std::abs(Dot(plane.normal, X_PS * corner) - plane.offset) + way);
-  }
-  if (clear > radius + flat_margin_ + most) return side;
-  return clear > radius + most && smooth_ && IsExact(X_PS * CenterOf(corners), radius, way) ? side
-                                                                                            : -1;
-}
-
-std::int32_t AreaWeb::GroundUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
-                                  double way) const {
-  const std::int32_t side = SideUnder(X_PS, corners, way);
-  return side >= 0 || !wedges_ ? side : WedgeUnder(X_PS, corners, way);
-}
-
-std::int32_t AreaWeb::WedgeUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
-                                 double way) const {
-  const double radius = RadiusOf(corners);
-  auto [index, clear, doubt, at_most] = wedges_->About(X_PS * CenterOf(corners), radius);
-  if (way > 0) clear -= KnownRegion::kUncertain * clear + doubt + way;
-  if (!(clear > radius)) return -1;
-  // Inside the wedge no point is deeper than under the plane that the triangle is least under.
-  const Wedge& wedge = wedges_->wedge(index);
-  double deepest = kInfinity;
-  for (int j = 0; j < wedge.count; ++j) {
-    const FlatSides::Side& plane = flats_->side(wedge.side[j]);
-    double least = kInfinity;
-    for (const Vec3& corner : corners) {
-      least = std::min(least, Dot(plane.normal, X_PS * corner) - plane.offset);
-    }
-    deepest = std::min(deepest, std::max(0.0, way - least));
-  }
-  if (!(clear > radius + deepest)) return -1;
-  return static_cast<std::int32_t>(flats_->flats().sides.size()) + index;
-}
-
-bool AreaWeb::IsNeverFlatUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners,
-                               double way) const {
-  if (!flats_) return true;
-  if (wedges_ && !wedges_->empty()) return false;
-  const double radius = RadiusOf(corners);
-  const Vec3 center = X_PS * CenterOf(corners);
-  const KnownRegion region = flats_->About(center, radius);
-  if (region.index < 0) return false;
-  // How far a side goes changes no faster than the point moves, and where another is closest, it
-  // goes no farther than to this one.
-  const double most = region.at_most + way - radius;
-  return most <= 0 ||
-         (most <= flat_margin_ && !(smooth_ && smooth_->MayBeExact(center, radius, way)));
-}
-
-std::span<const std::int32_t> AreaWeb::SidesOf(const std::int32_t& ground) const {
-  const auto num_sides = static_cast<std::int32_t>(flats_->flats().sides.size());
-  if (ground < num_sides) return {&ground, 1};
-  const Wedge& wedge = wedges_->wedge(ground - num_sides);
-  return {wedge.side.data(), static_cast<std::size_t>(wedge.count)};
-}
-
-// Whether the smooth field is the exact distance throughout the ball, wherever it moves.
-bool AreaWeb::IsExact(const Vec3& center, double radius, double way) const {
-  double doubt;
-  return smooth_->IsExact(center, radius, &doubt) &&
-         (!(way > 0) || smooth_->IsExact(center, radius + way + doubt, &doubt));
-}
-
-std::int32_t AreaWeb::SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, double way,
-                                double* height) const {
-  if (!flats_) return -1;
-  const auto& [center_S, radius] = leaf.around;
-  const Vec3 center = X_PS * center_S;
-  auto [side, clear, doubt, at_most] = flats_->About(center, leaf.largest);
-  clear -= KnownRegion::kUncertain * clear + doubt + radius + way;
-  const double needed = leaf.largest + flat_margin_;
-  if (!(clear > needed)) return -1;
-  const FlatSides::Side& plane = flats_->side(side);
-  const double over = Dot(plane.normal, center) - plane.offset;
-  *height = over - radius;
-  return clear > needed + std::abs(over) + radius + way ? side : -1;
-}
-
 // `way(p, radius)`: how far the points of a ball may yet move; nowhere at one pose.
 template <typename Probe, typename Way>
 void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
@@ -304,14 +220,14 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
       return !web.bounds_->Beyond(X_PS * sphere.center, sphere.radius,
                                   web.reach() + web.rise_ + way(sphere.center, sphere.radius));
     }
-    bool MayLoad(const std::array<Vec3, 3>& corners) const {
+    bool MayLoad(const Corners& corners) const {
       if (!web.surface_->primitive()) return MayLoad(SphereAround(corners.data(), 3));
       return LeastOver(corners) - web.nodes_->round().MostRise(corners) <=
              web.reach() + Farthest(corners);
     }
     // [m] Of the primitive that is probed.
-    double LeastOver(const std::array<Vec3, 3>& corners) const {
-      std::array<Vec3, 3> posed;
+    double LeastOver(const Corners& corners) const {
+      Corners posed;
       for (int i = 0; i < 3; ++i) posed[i] = X_PS * corners[i];
       const Vec3 center = CenterOf(posed);
       const double least = web.surface_->primitive().LeastOver(posed, center);
@@ -319,34 +235,32 @@ void AreaWeb::Gather(const Pose& X_PS, const Way& way, Probe* probe,
       return least - kTouching * (size + std::abs(least));
     }
     double Clearance(const Vec3& p) const { return probe->Clearance(X_PS * p, way(p, 0)); }
-    double Farthest(const std::array<Vec3, 3>& corners) const {
+    double Farthest(const Corners& corners) const {
       return std::max({way(corners[0], 0), way(corners[1], 0), way(corners[2], 0)});
     }
-    bool IsRound(const std::array<Vec3, 3>& corners) const {
-      return web.nodes_->round().IsRound(corners);
+    bool IsRound(const Corners& corners) const { return web.nodes_->round().IsRound(corners); }
+    std::int32_t GroundUnder(const Corners& corners) const {
+      return web.grounds_.Under(X_PS, corners, Farthest(corners));
     }
-    std::int32_t GroundUnder(const std::array<Vec3, 3>& corners) const {
-      return web.GroundUnder(X_PS, corners, Farthest(corners));
-    }
-    float ClearanceAnywhere(const std::array<Vec3, 3>& corners) const {
+    float ClearanceAnywhere(const Corners& corners) const {
       return RoundedDown(LeastOver(corners) - web.reach());
     }
-    bool IsNeverFlat(const std::array<Vec3, 3>& corners) const {
+    bool IsNeverFlat(const Corners& corners) const {
       return at_one_pose || IsRound(corners) ||
-             web.IsNeverFlatUnder(X_PS, corners, Farthest(corners));
+             web.grounds_.IsNeverFlatUnder(X_PS, corners, Farthest(corners));
     }
     bool MayLoadAbove(const AreaPatch::Leaf& leaf, std::int32_t* side) const {
       *side = -1;
       if (web.nodes_->round()) return true;  // its triangles are not the surface
       const double farthest = way(leaf.around.center, leaf.around.radius);
       double height;
-      *side = web.SideUnder(X_PS, leaf, farthest, &height);
+      *side = web.grounds_.SideUnder(X_PS, leaf, farthest, &height);
       return *side < 0 || !(height - farthest > web.options_.standoff);
     }
-    float ClearanceAbove(std::int32_t ground, const std::array<Vec3, 3>& corners) const {
+    float ClearanceAbove(std::int32_t ground, const Corners& corners) const {
       double most = -kInfinity;
-      for (const std::int32_t side : web.SidesOf(ground)) {
-        const FlatSides::Side& plane = web.flats_->side(side);
+      for (const std::int32_t side : web.grounds_.SidesOf(ground)) {
+        const FlatSides::Side& plane = web.grounds_.side(side);
         double least = kInfinity;
         for (const Vec3& corner : corners) {
           least = std::min(least, Dot(plane.normal, X_PS * corner) - plane.offset);

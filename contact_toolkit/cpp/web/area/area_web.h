@@ -9,9 +9,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 
 #include "web/area/area_body.h"
+#include "web/area/area_grounds.h"
 #include "web/area/edge_fillets.h"
 #include "web/spring_web.h"
 
@@ -82,21 +82,6 @@ class AreaWeb final : public SpringWeb {
   Pose PoseOfSampled(const Pose& X_AB) const;
   template <typename Function>
   auto WithProbe(const Function& function) const;
-  // All of the probed body that a triangle of the sampled one can meet when every point moves by up
-  // to `way` [m] from a pose: a flat side or, numbered after those, a wedge; -1: not certain.
-  std::int32_t GroundUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners, double way) const;
-  std::int32_t WedgeUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners, double way) const;
-  // Its flat sides: indices into those of flats_.
-  std::span<const std::int32_t> SidesOf(const std::int32_t& ground) const;
-  // The flat side alone.
-  std::int32_t SideUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners, double way) const;
-  // The same of all triangles of a leaf. Where it tells a side, so does each triangle. `height`
-  // [m]: the least over that.
-  std::int32_t SideUnder(const Pose& X_PS, const AreaPatch::Leaf& leaf, double way,
-                         double* height) const;
-  // Whether that is certainly -1 at each of the poses.
-  bool IsNeverFlatUnder(const Pose& X_PS, const std::array<Vec3, 3>& corners, double way) const;
-  bool IsExact(const Vec3& center, double radius, double way) const;
   template <typename Probe, typename Way>
   void Gather(const Pose& X_PS, const Way& way, Probe* probe, AreaCandidates* candidates) const;
   template <typename Probe>
@@ -108,15 +93,13 @@ class AreaWeb final : public SpringWeb {
   // A round body bulges between nodes: by this times the sum of a triangle's squared edges [1/m],
   // and nowhere by more than so much [m].
   double bulge_ = 0, most_bulge_ = 0;
-  double rise_ = 0;         // [m] by which the sampled surface stands out of its mesh
-  double flat_margin_ = 0;  // [m] by which the field looks beyond a point
-  double overhang_ = 0;     // [m] by which the probed surface stands out of its mesh
+  double rise_ = 0;      // [m] by which the sampled surface stands out of its mesh
+  double overhang_ = 0;  // [m] by which the probed surface stands out of its mesh
   std::shared_ptr<const CollisionMesh> sampled_;
   std::shared_ptr<const ProbedSurface> surface_;
   std::shared_ptr<const AreaNodes> nodes_;
   std::shared_ptr<const DistanceBounds> bounds_;
-  std::shared_ptr<const FlatRegions> flats_;    // null about an open surface
-  std::shared_ptr<const WedgeRegions> wedges_;  // null where something else is met outside
+  AreaGrounds grounds_;
   std::shared_ptr<const SmoothField> smooth_;   // null with the exact field
   std::unique_ptr<const EdgeFillets> fillets_;  // null without
 };

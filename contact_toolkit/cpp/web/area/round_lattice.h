@@ -8,12 +8,11 @@
 
 #include "math/vec.h"
 #include "shapes/primitive.h"
+#include "web/area/triangle_cut.h"
 
 namespace contact_toolkit {
 
 struct RoundLattice {
-  using Corners = std::array<Vec3, 3>;
-
   Primitive shape;
   // [m] Between nodes around it, and on the ends of a capsule; 0: no such thing. And along it.
   double across = 0, along = 0;
