@@ -7,9 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydrake.geometry import Box
+from pydrake.geometry import Box, SceneGraph
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    CoulombFriction,
+    MultibodyPlant,
+)
 from pydrake.multibody.tree import FixedOffsetFrame, PrismaticJoint, RevoluteJoint, SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
@@ -19,29 +23,35 @@ from systems import AddNonlinearDamperContact, ContactConfig
 SIDE, MASS, GRAVITY, TABLE = 0.1, 0.5, 9.81, 2.0  # [m], [kg], [m/s²], [m]
 
 
+FRICTION = CoulombFriction(0.5, 0.5)
+INERTIA = SpatialInertia.SolidBoxWithMass(MASS, SIDE, SIDE, SIDE)
+
+
+def with_table() -> tuple[DiagramBuilder, MultibodyPlant, SceneGraph]:
+    """A plant whose world is a table."""
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=2e-3)
+    table = RigidTransform([0, 0, -0.5]), Box(TABLE, TABLE, 1)
+    plant.RegisterCollisionGeometry(plant.world_body(), *table, "table", FRICTION)
+    return builder, plant, scene_graph
+
+
 class Scene:
     """A box on a table, and two links on a hinge that overlap each other beside it."""
 
     def __init__(self, *, depth: float, links: bool = False, **settings: Any) -> None:
-        builder = DiagramBuilder()
-        self.plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=2e-3)
-        friction = CoulombFriction(0.5, 0.5)
-        inertia = SpatialInertia.SolidBoxWithMass(MASS, SIDE, SIDE, SIDE)
-        world = self.plant.world_body()
-        self.plant.RegisterCollisionGeometry(
-            world, RigidTransform([0, 0, -0.5]), Box(TABLE, TABLE, 1), "table", friction
-        )
+        builder, self.plant, scene_graph = with_table()
         cube = Box(SIDE, SIDE, SIDE)
-        self.box = self.plant.AddRigidBody("box", inertia)
-        self.plant.RegisterCollisionGeometry(self.box, RigidTransform(), cube, "box", friction)
+        self.box = self.plant.AddRigidBody("box", INERTIA)
+        self.plant.RegisterCollisionGeometry(self.box, RigidTransform(), cube, "box", FRICTION)
         if links:
             robot = self.plant.AddModelInstance("robot")
             lower, upper, far = (
-                self.plant.AddRigidBody(name, robot, inertia) for name in ("lower", "upper", "far")
+                self.plant.AddRigidBody(name, robot, INERTIA) for name in ("lower", "upper", "far")
             )
             for link, y in ((lower, 0.0), (far, SIDE - 5e-3)):
                 X_BG = RigidTransform([0.0, y, 0.0])
-                self.plant.RegisterCollisionGeometry(link, X_BG, cube, "link", friction)
+                self.plant.RegisterCollisionGeometry(link, X_BG, cube, "link", FRICTION)
             for parent, child in ((lower, upper), (upper, far)):
                 self.plant.AddJoint(
                     RevoluteJoint(
@@ -145,19 +155,13 @@ class Mounted:
         height: float,
         X_AB: RigidTransform | None = None,
     ) -> None:
-        builder = DiagramBuilder()
-        self.plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=2e-3)
-        friction = CoulombFriction(0.5, 0.5)
-        inertia = SpatialInertia.SolidBoxWithMass(MASS, SIDE, SIDE, SIDE)
+        builder, self.plant, scene_graph = with_table()
         world = self.plant.world_body()
-        self.plant.RegisterCollisionGeometry(
-            world, RigidTransform([0, 0, -0.5]), Box(TABLE, TABLE, 1), "table", friction
-        )
         robot = self.plant.AddModelInstance("robot")
-        first = self.plant.AddRigidBody("first", robot, inertia)
-        second = self.plant.AddRigidBody("second", robot, inertia)
+        first = self.plant.AddRigidBody("first", robot, INERTIA)
+        second = self.plant.AddRigidBody("second", robot, INERTIA)
         cube = Box(SIDE, SIDE, SIDE)
-        self.plant.RegisterCollisionGeometry(first, RigidTransform(), cube, "cube", friction)
+        self.plant.RegisterCollisionGeometry(first, RigidTransform(), cube, "cube", FRICTION)
         base = self.plant.AddFrame(
             FixedOffsetFrame("base", world.body_frame(), RigidTransform([0.0, 0.0, height]))
         )
@@ -166,10 +170,10 @@ class Mounted:
             RevoluteJoint("hinge", first.body_frame(), second.body_frame(), [1.0, 0.0, 0.0])
         )
         # Drake filters what a joint joins, not what is welded to it: a bearing, a gear.
-        welded = self.plant.AddRigidBody("welded", robot, inertia)
+        welded = self.plant.AddRigidBody("welded", robot, INERTIA)
         self.plant.WeldFrames(second.body_frame(), welded.body_frame())
         if X_AB is not None:
-            self.plant.RegisterCollisionGeometry(welded, X_AB, cube, "cube", friction)
+            self.plant.RegisterCollisionGeometry(welded, X_AB, cube, "cube", FRICTION)
         self.plant.mutable_gravity_field().set_gravity_vector([1.0, 0.0, -GRAVITY])
         self.plant.Finalize()
         AddNonlinearDamperContact(builder, self.plant, scene_graph)
