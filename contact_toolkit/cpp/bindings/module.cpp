@@ -8,6 +8,7 @@
 namespace contact_toolkit {
 void BindArea(nanobind::module_& m);
 void BindContact(nanobind::module_& m);
+void BindContactResults(nanobind::module_& m);
 void BindConvex(nanobind::module_& m);
 void BindFacetPair(nanobind::module_& m);
 void BindFloatingBodies(nanobind::module_& m);
@@ -25,6 +26,7 @@ NB_MODULE(_core, m) {
   // ends.
   nanobind::set_leak_warnings(false);
   contact_toolkit::BindMesh(m);
+  contact_toolkit::BindContactResults(m);
   contact_toolkit::BindContact(m);  // before the webs, which derive from SpringWeb
   contact_toolkit::BindArea(m);
   contact_toolkit::BindWitness(m);

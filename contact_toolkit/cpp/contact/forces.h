@@ -83,6 +83,10 @@ struct Forces : std::enable_shared_from_this<Forces> {
   }
   std::size_t SizeOf(std::size_t i) const { return loaded->pairs[i].springs.size(); }
 
+  // Whether they were computed at these poses and velocities, up to what is left of the momentum
+  // balance when a step is solved: 1e-10 m/s, a millisecond long.
+  bool AreAt(std::span<const Pose> X_FB, std::span<const Twist> V) const;
+
   // [W] Were the bodies to move so.
   double PowerAt(std::span<const Twist> V) const {
     double power = 0;

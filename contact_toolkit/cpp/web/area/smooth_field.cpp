@@ -10,85 +10,9 @@
 #include "base/tolerances.h"
 #include "query/point/point_distance.h"
 #include "web/area/flat_sides.h"
+#include "web/area/quadratic_spline.h"
 
 namespace contact_toolkit {
-namespace {
-
-// The first of the three lattice points whose basis functions reach x: the one before the closest.
-std::int32_t LowestPoint(double x) {
-  const auto truncated = static_cast<std::int32_t>(x + 0.5);
-  return truncated - (x + 0.5 < truncated) - 1;
-}
-
-// Three numbers in a row, in pairs: GCC 12 splits wider vectors into single numbers where the CPU
-// has none.
-struct Line {
-  using Pair = double __attribute__((vector_size(16)));
-
-  Line() = default;
-  explicit Line(const double* from) {  // reads one more
-    std::memcpy(&low, from, sizeof low);
-    std::memcpy(&high, from + 2, sizeof high);
-  }
-  double Times(const double* weight) const {
-    return weight[0] * low[0] + weight[1] * low[1] + weight[2] * high[0];
-  }
-
-  Pair low, high;
-};
-
-// The value and the gradient, by lattice spacing, of a tri-quadratic spline over 27 numbers, given
-// the basis functions and their slopes along each axis.
-struct Basis {
-  double w[3][3], dw[3][3];
-};
-struct SplineValue {
-  double value;
-  Vec3 slope;
-};
-
-Line Sum(const double* weight, const Line* lines) {
-  Line sum;
-  sum.low = weight[0] * lines[0].low + weight[1] * lines[1].low + weight[2] * lines[2].low;
-  sum.high = weight[0] * lines[0].high + weight[1] * lines[1].high + weight[2] * lines[2].high;
-  return sum;
-}
-
-SplineValue Evaluate(const Basis& basis, const double* first, int row, int plane) {
-  const auto& [w, dw] = basis;
-  // Summed along x, y and z in turn.
-  Line value_y[3], slope_y[3];
-  for (int j = 0; j < 3; ++j) {
-    const Line at[3] = {Line(first + j * row), Line(first + plane + j * row),
-                        Line(first + 2 * plane + j * row)};
-    value_y[j] = Sum(w[0], at);
-    slope_y[j] = Sum(dw[0], at);
-  }
-  const Line value_z = Sum(w[1], value_y);
-  return {value_z.Times(w[2]),
-          {Sum(w[1], slope_y).Times(w[2]), Sum(dw[1], value_y).Times(w[2]), value_z.Times(dw[2])}};
-}
-
-// Its second derivatives, by lattice spacing squared.
-Symmetric3 Bend(const Basis& basis, const double* first, int row, int plane) {
-  static constexpr double kBend[3] = {1, -2, 1};  // second derivatives of the basis functions
-  const auto& [w, dw] = basis;
-  Line value_y[3], slope_y[3], bend_y[3];
-  for (int j = 0; j < 3; ++j) {
-    const Line at[3] = {Line(first + j * row), Line(first + plane + j * row),
-                        Line(first + 2 * plane + j * row)};
-    value_y[j] = Sum(w[0], at);
-    slope_y[j] = Sum(dw[0], at);
-    bend_y[j] = Sum(kBend, at);
-  }
-  const Line value_z = Sum(w[1], value_y), slope_z = Sum(w[1], slope_y);
-  return {Sum(w[1], bend_y).Times(w[2]), Sum(kBend, value_y).Times(w[2]),
-          value_z.Times(kBend),          Sum(dw[1], slope_y).Times(w[2]),
-          slope_z.Times(dw[2]),          Sum(dw[1], value_y).Times(dw[2])};
-}
-
-}  // namespace
-
 // A node of the tree over the bricks: of the lowest level it holds bricks, else branches.
 struct SmoothField::Branch {
   static constexpr int kChildren = kFanout * kFanout * kFanout;
@@ -336,7 +260,7 @@ struct SmoothField::Cell {
     const double* first;
     int row, plane;
   };
-  Basis basis;
+  SplineBasis basis;
   Kind kind;
   Numbers coefficients, weights;  // of a mixed cell both, else one of them or none
   double few[28], few_weights[28];
@@ -388,14 +312,14 @@ FieldValue SmoothField::Probe(const Vec3& p, Cursor* cursor) const {
   Find(p, cursor, &cell);
   if (cell.kind == Kind::kExact) return ProbeExact(p, cursor);
   const auto& [first, row, plane] = cell.coefficients;
-  const SplineValue at = Evaluate(cell.basis, first, row, plane);
+  const SplineValue at = EvaluateSpline(cell.basis, first, row, plane);
   FieldValue smooth;
   smooth.phi = at.value;
   smooth.gradient = inverse_cell_ * at.slope;
   if (cell.kind == Kind::kSpline) return smooth;
   FieldValue mixed = ProbeExact(p, cursor);
   const SplineValue weight =
-      Evaluate(cell.basis, cell.weights.first, cell.weights.row, cell.weights.plane);
+      EvaluateSpline(cell.basis, cell.weights.first, cell.weights.row, cell.weights.plane);
   const double more = mixed.phi - smooth.phi;
   mixed.phi = smooth.phi + weight.value * more;
   mixed.gradient = weight.value * mixed.gradient + (1 - weight.value) * smooth.gradient +
@@ -414,7 +338,7 @@ Symmetric3 SmoothField::Curvature(const Vec3& p, Cursor* cursor) const {
     if (cell.kind == Kind::kExact) return exact;
   }
   const auto bent = [&](const Cell::Numbers& numbers) {
-    Symmetric3 second = Bend(cell.basis, numbers.first, numbers.row, numbers.plane);
+    Symmetric3 second = BendSpline(cell.basis, numbers.first, numbers.row, numbers.plane);
     const auto rounding = [this](double each) { return std::abs(each) < kFlatCell * cell_; };
     if (std::ranges::all_of(second, rounding)) return Symmetric3{};
     for (double& each : second) each *= inverse_cell_ * inverse_cell_;
@@ -428,7 +352,7 @@ Symmetric3 SmoothField::Curvature(const Vec3& p, Cursor* cursor) const {
     return std::ranges::all_of(second, rounding) ? Symmetric3{} : second;
   }
   const auto evaluated = [&](const Cell::Numbers& numbers) {
-    return Evaluate(cell.basis, numbers.first, numbers.row, numbers.plane);
+    return EvaluateSpline(cell.basis, numbers.first, numbers.row, numbers.plane);
   };
   const SplineValue smooth = evaluated(cell.coefficients), weight = evaluated(cell.weights);
   const Symmetric3 of_weight = bent(cell.weights);
