@@ -229,15 +229,19 @@ def test_a_box_held_for_a_minute_does_not_creep(record_property):
     assert drakes > 1e-9  # else the comparison shows nothing
 
 
-@ON_BOTH_PLANTS
-def test_sliding_to_a_stop(record_property, time_step):
-    """Row 9: x = v²/(2 μ g), less v/2 a step of a plant that moves at its ends' velocities."""
-    mu, speed = 0.3, 1.0
-    box = BoxOnIncline(foundation(mu=mu), time_step=time_step, speed=speed)
-    way = box.slide(0.5)
-    row = (9, "way to a stop [m]" + on(time_step))
-    check(record_property, row, speed**2 / (2 * mu * GRAVITY), way, 0.005)
-    assert abs(box.slide(0.5)) < 1e-9
+def test_sliding_to_a_stop(record_property):
+    """Row 9: x = v²/(2 μ g); a plant that moves as its steps end lacks h v/2, 0.7 % at 1 ms."""
+    mu, speed, row = 0.3, 0.5, (9, "way to a stop [m]")
+
+    def way(time_step: float) -> float:
+        box = BoxOnIncline(foundation(mu=mu), time_step=time_step, speed=speed)
+        found = box.slide(0.5)
+        assert abs(box.slide(0.5)) < 1e-9
+        return found
+
+    expected = speed**2 / (2 * mu * GRAVITY)
+    check(record_property, row, expected, way(0.0), 0.005)
+    check_first_order(record_property, row, expected, 1e-3, way, 0.005)
 
 
 @ON_BOTH_PLANTS
