@@ -89,7 +89,7 @@ docs: build $(VENV)/.extra-docs  ## execute the notebooks and make the site, bui
 	rm -rf build/docs && mkdir -p build/docs
 	cp -R README.md CONTRIBUTING.md CHANGELOG.md docs build/docs/
 	cp -R notebooks benchmarks build/docs/docs/
-	cp --parents systems/README.md contact_toolkit/cpp/README.md scenarios/drafts/README.md \
+	cp --parents systems/README.md contact_toolkit/cpp/README.md \
 	  scenarios/gallery/*.png build/docs/docs/
 	$(BIN)/python -m sphinx -W --keep-going -q -b html $(ARGS) build/docs/docs build/site
 	@echo "build/site/index.html"
