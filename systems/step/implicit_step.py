@@ -15,6 +15,7 @@ from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
 from systems.step.linearized_step import LinearizedStep, StepSlopes
 from systems.step.plant_twin import PlantTwin, TwinAtState
+from systems.step.step_limits import StepLimits
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -41,20 +42,31 @@ class SolvedStep(NamedTuple):
         (nv,) of contact, over the whole step.
     mismatch
         Largest difference [m/s, rad/s] between the velocities that the plant reaches and those that
-        contact was solved for.
+        contact was solved for; 0 where the plant answers forces as A says, and was not asked.
+    allowed
+        Mismatch up to which the two count as agreed.
     rounds
         Solves it took contact and the plant's limits and constraints to agree.
     stiffening
         What the plant's limits and constraints were found to add to A, on the velocities that are
         not those of floating bodies; None where they add nothing. Good to begin the next step with.
+    trusted
+        Whether the plant's answer to contact forces was seen to be A, in this step or before, far
+        from all limits.
     """
 
     solution: StepSolution
     velocities: Floats
     generalized_forces: Floats
     mismatch: float
+    allowed: float
     rounds: int
     stiffening: Floats | None = None
+    trusted: bool = False
+
+    def leads_to(self, v: Floats) -> bool:
+        """Whether the plant went where its answer to forces, trusted, led to: velocities (nv,)."""
+        return self.trusted and bool(np.abs(v - self.velocities).max() <= self.allowed)
 
     @property
     def statistics(self) -> Floats:
@@ -73,7 +85,9 @@ class ImplicitStep:
     The forces go to the plant's ordinary port, and its own update then lands on v⁺: v_free is where
     that update goes without contact, asked of a `PlantTwin`, and A what it answers forces with: the
     mass matrix, joint damping and the gains of controllers. Where limits or constraints of the
-    plant join in, A is taken from the twin, and solving is repeated until the twin agrees.
+    plant join in, A is taken from the twin, and solving is repeated until the twin agrees. Once it
+    has agreed it is asked but once a step, under the forces of the last one, as long as the plant
+    lands where it should, far from its limits.
 
     Parameters
     ----------
@@ -121,8 +135,11 @@ class ImplicitStep:
         self._dofs = trees.rest
         self._floats = not len(trees.rest)
         self._own = _implicit_terms(plant, self._step)
+        self._block = np.ix_(trees.rest, trees.rest)
+        self._constrained = plant.num_constraints() > 0
+        self._limits = StepLimits(plant)
         # Forces move such a plant as A says, whatever else acts on it.
-        self._affine = not (plant.num_constraints() or self._twin.touching or _is_limited(plant))
+        self._affine = not (self._constrained or self._twin.touching or self._limits.bend)
         self._gravity = self._known_gravity() if self._affine and self._floats else None
 
     def solve(
@@ -149,11 +166,15 @@ class ImplicitStep:
             solution = self._solver.solve_under_gravity(
                 state, time, self._step, q, v, self._gravity, self._X_WB
             )
-            return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 1)
+            return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 0.0, 1)
         twin = self._twin.at(x, inputs)
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
-        v_free = twin.reached(outer)
+        trusted = last is not None and last.leads_to(v)
+        likely = np.zeros(self._nv)
+        if last is not None and trusted:
+            likely[self._dofs] = last.generalized_forces[self._dofs]
+        reached = twin.reached(outer + likely)
         inertia = own = _NOTHING if self._floats else twin.mass_matrix() + self._own
         stiffening = last.stiffening if last else None
         if stiffening is not None:
@@ -162,31 +183,49 @@ class ImplicitStep:
         if self._links:
             X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
             twin.kinematics_after(self._step, self._links, X_WB, jacobian)
-        v_plain, before = v_free, np.inf
+        v_plain, before = reached, np.inf
+        if trusted:
+            v_plain = self._without(likely, reached, inertia, v_plain)
+        free = np.abs(v_plain - v).max()
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
                 state, time, q, v, v_plain, X_WB, inertia, jacobian
             )
-            if self._affine:
-                return SolvedStep(solution, aimed, forces, 0.0, round_)
+            ends = np.array([reached, aimed])
+            if self._affine or (trusted and self._limits.are_far(q, ends, self._step, inputs)):
+                allowed = _TOLERANCE * (free + np.abs(aimed - v).max())
+                return SolvedStep(
+                    solution, aimed, forces, 0.0, allowed, round_, stiffening, trusted
+                )
             reached = twin.reached(outer + forces)
-            mismatch, led, free = np.abs([reached - aimed, reached - v, v_free - v]).max(axis=1)
-            if mismatch <= _TOLERANCE * (led + free):
+            mismatch, led = np.abs([reached - aimed, reached - v]).max(axis=1)
+            allowed = _TOLERANCE * (led + free)
+            if mismatch <= allowed or round_ == _ROUNDS or mismatch > before / 2:
                 break
-            if round_ == _ROUNDS or mismatch > before / 2:
-                break
-            before = mismatch
+            trusted, before = False, mismatch
             if not self._floats:
                 inertia = self._response(twin, outer + forces, reached, own)
                 stiffening = inertia - own
-                response = np.zeros(self._nv)
-                dofs = self._dofs
-                block = inertia[np.ix_(dofs, dofs)]
-                response[dofs] = self._step * np.linalg.solve(block, forces[dofs])
-                v_plain = reached - response
-                floating = np.setdiff1d(np.arange(self._nv), dofs)
-                v_plain[floating] = v_free[floating]
-        return SolvedStep(solution, aimed, forces, float(mismatch), round_, stiffening)
+                v_plain = self._without(forces, reached, inertia, v_plain)
+        trusted = (
+            bool(mismatch <= allowed)
+            and not self._twin.touching
+            and (stiffening is not None or not self._constrained)
+            and bool(forces[self._dofs].any())
+            and self._limits.are_far(q, np.array([reached, aimed]), self._step, inputs)
+        )
+        return SolvedStep(
+            solution, aimed, forces, float(mismatch), allowed, round_, stiffening, trusted
+        )
+
+    def _without(
+        self, forces: Floats, reached: Floats, inertia: Floats, v_plain: Floats
+    ) -> Floats:
+        """Return v_plain, with the velocities that are not of floating bodies as without forces."""
+        dofs, v_plain = self._dofs, v_plain.copy()
+        response = self._step * np.linalg.solve(inertia[self._block], forces[dofs])
+        v_plain[dofs] = reached[dofs] - response
+        return v_plain
 
     def linearize(
         self,
@@ -258,7 +297,7 @@ class ImplicitStep:
         free = self._step / np.diag(inertia)[dofs].max()
         values = np.maximum(values, _RIGID * max(values.max(), free))
         after = inertia.copy()
-        after[np.ix_(dofs, dofs)] = self._step * (vectors / values) @ vectors.T
+        after[self._block] = self._step * (vectors / values) @ vectors.T
         return after
 
 
@@ -330,18 +369,6 @@ def _floating_trees(plant: MultibodyPlant, tied: set[BodyIndex]) -> dict[BodyInd
         if body.has_quaternion_dofs() and not welded & (children | tied):
             single[index] = welded
     return single
-
-
-def _is_limited(plant: MultibodyPlant) -> bool:
-    """Whether joints have limits or controllers, which push by where a step leads."""
-    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
-    limits = [(each.position_lower_limits(), each.position_upper_limits()) for each in joints]
-    actuators = (
-        plant.get_joint_actuator(JointActuatorIndex(i)) for i in range(plant.num_actuators())
-    )
-    return any(np.isfinite(both).any() for both in limits) or any(
-        each.has_controller() for each in actuators
-    )
 
 
 def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:

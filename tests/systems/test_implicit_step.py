@@ -177,6 +177,18 @@ def limited_arm(plant):
     add_arm(plant, limits=(-9, 4.2e-4))
 
 
+def struck_arm(plant, effort: float = 1e3, lowest: float = 9.0):
+    """A ball falls on the tip of an arm that is held in the air."""
+    _, hinge = add_arm(plant, limits=(-9, lowest))
+    motor = plant.AddJointActuator("motor", hinge, effort)
+    motor.set_controller_gains(PdControllerGains(p=2000, d=20))
+    ball = plant.AddRigidBody("ball", SpatialInertia.SolidSphereWithMass(1.0, 0.05))
+    plant.RegisterCollisionGeometry(
+        ball, RigidTransform(), Sphere(0.05), "ball", CoulombFriction(0.5, 0.5)
+    )
+    plant.SetDefaultFloatingBaseBodyPose(ball, RigidTransform([0.25, 0, 0.155]))
+
+
 def press(builder, plant):
     source = builder.AddSystem(ConstantVectorSource([8.0]))
     builder.Connect(source.get_output_port(), plant.get_actuation_input_port())
@@ -184,6 +196,12 @@ def press(builder, plant):
 
 def aim(builder, plant):
     source = builder.AddSystem(ConstantVectorSource([0.05, 0.0]))
+    instance = plant.GetModelInstanceByName("DefaultModelInstance")
+    builder.Connect(source.get_output_port(), plant.get_desired_state_input_port(instance))
+
+
+def hold(builder, plant):
+    source = builder.AddSystem(ConstantVectorSource([0.0, 0.0]))
     instance = plant.GetModelInstanceByName("DefaultModelInstance")
     builder.Connect(source.get_output_port(), plant.get_desired_state_input_port(instance))
 
@@ -320,6 +338,9 @@ CASES = {
     "arm, controlled, saturated": (lambda p: controlled_arm(p, 5.0), {"wire_after": aim}),
     "arm, pushed by generalized force": (lying_arm, {"wire": push_generalized}),
     "arm at its limit": (limited_arm, {}),
+    "arm, struck": (struck_arm, {"wire": hold}),
+    "arm, struck, saturates": (lambda p: struck_arm(p, effort=12.0), {"wire": hold}),
+    "arm, struck on to its limit": (lambda p: struck_arm(p, lowest=8e-3), {"wire": hold}),
     "arm without limits": (unlimited_arm, {}),
     "box before an arm": (box_before_arm, {}),
     "distance constraint": (distance_held, {}),
@@ -358,16 +379,22 @@ def test_the_plant_lands_where_contact_was_solved_for(case):
     assert np.isfinite(reached).all()
 
 
-def test_free_bodies_do_without_the_copy_of_the_plant(monkeypatch):
-    """Asking it each step takes as long as the contact of a few boxes."""
-    asked = []
+@pytest.fixture
+def asked(monkeypatch):
+    """Grows by one each time that the copy of the plant is asked where it goes."""
+    calls = []
     reached = TwinAtState.reached
 
     def counted(*args):
-        asked.append(args)
+        calls.append(args)
         return reached(*args)
 
     monkeypatch.setattr(TwinAtState, "reached", counted)
+    return calls
+
+
+def test_free_bodies_do_without_the_copy_of_the_plant(asked):
+    """Asking it each step takes as long as the contact of a few boxes."""
 
     def boxes(plant):
         add_table(plant)
@@ -381,6 +408,24 @@ def test_free_bodies_do_without_the_copy_of_the_plant(monkeypatch):
     before = len(asked)
     scene.simulator.AdvanceTo(10 * STEP)
     assert len(asked) == before
+
+
+@pytest.mark.parametrize(
+    ("case", "times"),
+    {
+        "arm": 1,
+        "arm, controlled": 1,
+        "arm, controlled, saturated": 2,
+        "arm at its limit": 2,
+    }.items(),
+)
+def test_the_copy_is_asked_twice_only_near_limits(asked, case, times):
+    fill, options = CASES[case]
+    scene = build(fill, **options)
+    scene.simulator.AdvanceTo(100 * STEP)
+    before = len(asked)
+    scene.simulator.AdvanceTo(110 * STEP)
+    assert len(asked) - before == 10 * times
 
 
 def wedged(plant: MultibodyPlant) -> None:
