@@ -129,7 +129,8 @@ class StepSolver:
             (nv,) at the end, were there no contact.
         X_FB
             (nb, 4, 4) poses: of bodies that do not move; of those in trees that do not float, where
-            velocities `v_reference` (nv,) take them over the step.
+            velocities `v_reference` (nv,) take them over the step; these are also where solving
+            starts.
         inertia
             (nv, nv) A, on the blocks of trees that do not float; empty without such trees.
         jacobian

@@ -38,6 +38,8 @@ class SolvedStep(NamedTuple):
         As the native solver found it; velocities in its own order.
     velocities
         (nv,) that contact was solved for.
+    change
+        (nv,) of the velocities in the step.
     generalized_forces
         (nv,) of contact, over the whole step.
     mismatch
@@ -57,6 +59,7 @@ class SolvedStep(NamedTuple):
 
     solution: StepSolution
     velocities: Floats
+    change: Floats
     generalized_forces: Floats
     mismatch: float
     allowed: float
@@ -166,7 +169,8 @@ class ImplicitStep:
             solution = self._solver.solve_under_gravity(
                 state, time, self._step, q, v, self._gravity, self._X_WB
             )
-            return SolvedStep(solution, solution.v, solution.generalized_forces, 0.0, 0.0, 1)
+            forces = solution.generalized_forces
+            return SolvedStep(solution, solution.v, solution.v - v, forces, 0.0, 0.0, 1)
         twin = self._twin.at(x, inputs)
         given = inputs.get("applied_generalized_force")
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
@@ -179,23 +183,26 @@ class ImplicitStep:
         stiffening = last.stiffening if last else None
         if stiffening is not None:
             inertia = own + stiffening
-        X_WB, jacobian = self._X_WB, self._no_jacobian
-        if self._links:
-            X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
-            twin.kinematics_after(self._step, self._links, X_WB, jacobian)
         v_plain, before = reached, np.inf
         if trusted:
             v_plain = self._without(likely, reached, inertia, v_plain)
         free = np.abs(v_plain - v).max()
+        v_next = v
+        if last is not None and np.abs(last.change).max() <= free:
+            v_next = v + last.change  # no impact: it goes on as in the last step
+        X_WB, jacobian = self._X_WB, self._no_jacobian
+        if self._links:
+            X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
+            twin.kinematics_after(self._step, v_next, self._links, X_WB, jacobian)
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
-                state, time, q, v, v_plain, X_WB, inertia, jacobian
+                state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next
             )
             ends = np.array([reached, aimed])
             if self._affine or (trusted and self._limits.are_far(q, ends, self._step, inputs)):
                 allowed = _TOLERANCE * (free + np.abs(aimed - v).max())
                 return SolvedStep(
-                    solution, aimed, forces, 0.0, allowed, round_, stiffening, trusted
+                    solution, aimed, aimed - v, forces, 0.0, allowed, round_, stiffening, trusted
                 )
             reached = twin.reached(outer + forces)
             mismatch, led = np.abs([reached - aimed, reached - v]).max(axis=1)
@@ -215,7 +222,15 @@ class ImplicitStep:
             and self._limits.are_far(q, np.array([reached, aimed]), self._step, inputs)
         )
         return SolvedStep(
-            solution, aimed, forces, float(mismatch), allowed, round_, stiffening, trusted
+            solution,
+            aimed,
+            aimed - v,
+            forces,
+            float(mismatch),
+            allowed,
+            round_,
+            stiffening,
+            trusted,
         )
 
     def _without(
@@ -263,19 +278,28 @@ class ImplicitStep:
         X_WB: Floats,
         inertia: Floats,
         jacobian: Floats,
+        v_next: Floats,
     ) -> tuple[StepSolution, Floats, Floats]:
         """Return the solution, its velocities and its generalized forces (nv,)."""
         order = self._order
         if order is None:
             solution = self._solver.solve(
-                state, time, self._step, q, v, v_free, X_WB, inertia, jacobian, v
+                state, time, self._step, q, v, v_free, X_WB, inertia, jacobian, v_next
             )
             return solution, solution.v, solution.generalized_forces
         if not self._floats:
             inertia, jacobian = inertia[np.ix_(order, order)], jacobian[:, :, order].copy()
-        start = v[order]
         solution = self._solver.solve(
-            state, time, self._step, q, start, v_free[order], X_WB, inertia, jacobian, start
+            state,
+            time,
+            self._step,
+            q,
+            v[order],
+            v_free[order],
+            X_WB,
+            inertia,
+            jacobian,
+            v_next[order],
         )
         reached, forces = np.empty_like(v), np.empty_like(v)
         reached[order], forces[order] = solution.v, solution.generalized_forces

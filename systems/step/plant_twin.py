@@ -138,14 +138,14 @@ class TwinAtState:
         return self._plant.CalcMassMatrix(self._context)
 
     def kinematics_after(
-        self, duration: float, links: Sequence[Link], X_WB: Floats, J: Floats
+        self, duration: float, v: Floats, links: Sequence[Link], X_WB: Floats, J: Floats
     ) -> None:
         """Fill poses (nb, 4, 4) and Jacobians (nb, 6, nv) of links, by row, after a motion.
 
-        At the velocities of the state. The Jacobians are those of spatial velocities in W by v.
+        At velocities v (nv,). The Jacobians are those of spatial velocities in W by v.
         """
         plant, ahead, world = self._plant, self._ahead, self._world
-        q, v = self._x[: self._nq], self._x[self._nq :]
+        q = self._x[: self._nq]
         plant.SetPositions(ahead, q + duration * plant.MapVelocityToQDot(self._context, v))
         for row, body, frame in links:
             X_WB[row] = body.EvalPoseInWorld(ahead).GetAsMatrix4()

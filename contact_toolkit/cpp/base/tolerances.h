@@ -177,8 +177,12 @@ inline constexpr double kStepTolerance = 1e-8;
 // [-] Of the forces with which springs push against each other, in a wedge or a press fit, this
 // fraction counts as what the step does.
 inline constexpr double kStepSqueeze = 1e-2;
+// [-] By a Newton step, if all that is left is this fraction.
+inline constexpr double kStepNear = 3e-6;
 // [m/s] And at least this speed: times kStepTolerance and a step it is below the rounding of poses.
 inline constexpr double kStepStill = 1e-6;
+// [m/s, rad/s] What moves more slowly is taken to be at rest: it came there with 1e-11.
+inline constexpr double kStepAtRest = 1e-9;
 // [-] Where no step lessens the residual any more, it is rounding below this fraction.
 inline constexpr double kStepRoundOff = 1e-5;
 // Newton iterations; three are usual, ten many. And rounds of bodies that come near on the way.

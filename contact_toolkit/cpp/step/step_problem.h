@@ -51,7 +51,7 @@ struct StepProblem {
   std::span<const Pose> X_FB;           // of every body at the start, or of those of non-floating
                                         // trees at `v_reference`'s end
   std::span<const double> jacobian;     // (nb, 6, nv) dV_FB/dv there, rotation first
-  std::span<const double> v_reference;  // the velocities that led to X_FB over the step
+  std::span<const double> v_reference;  // likely to be reached; they lead to X_FB over the step
 };
 
 enum class StepStatus {

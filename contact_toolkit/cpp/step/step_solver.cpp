@@ -61,6 +61,7 @@ class StepSolver::Search {
     bool stuck = false;        // neither matrix led any further
     bool from_last = false;    // began at the velocities of the last step
     bool still = false;        // moved so slowly in the last step that it began at none
+    bool at_rest = false;      // and as slowly as a body at rest
     std::vector<double> best;  // velocities of the best start so far
     double best_merit = 0;
     int iterations = 0;
@@ -76,8 +77,8 @@ class StepSolver::Search {
     }
   }
 
-  // Each starts from the velocities of the last step where it was in contact then, else from those
-  // without contact. What hardly moved starts from a stand: the springs of a body at rest are so
+  // Each starts from the reference where it was in contact in the last step, else from the
+  // velocities without contact. What hardly moved starts from a stand: the springs of a body at rest are so
   // stiff that to go on for a step at the speed that it came to rest with overshoots.
   void Start(bool first) {
     islands_.clear();
@@ -87,11 +88,13 @@ class StepSolver::Search {
       island.drive = equations_.FreeChange(joined);
       island.joined = std::move(joined);
       if (!island.from_last) continue;
-      island.still = true;
+      double speed = 0;
       ForEachDof(island, [&](int dof) {
-        v_[dof] = problem_.v0[dof];
-        island.still = island.still && std::abs(v_[dof]) < kStepStill;
+        v_[dof] = problem_.v_reference[dof];
+        speed = std::max(speed, std::abs(problem_.v0[dof]));
       });
+      island.still = speed < kStepStill;
+      island.at_rest = speed < kStepAtRest;
       if (island.still) ForEachDof(island, [&](int dof) { v_[dof] = 0; });
     }
   }
@@ -175,9 +178,9 @@ class StepSolver::Search {
 
   // Newton's method, for the islands that are searching.
   void Iterate() {
-    // What stands still mostly goes on standing still, and needs no slopes.
+    // What is at rest mostly stays at rest, and needs no slopes.
     bool linear = !std::ranges::all_of(
-        islands_, [](const Island& i) { return i.still || i.phase == Phase::kDone; });
+        islands_, [](const Island& i) { return i.at_rest || i.phase == Phase::kDone; });
     EvaluateAtAccepted(linear ? Slopes::kFound : Slopes::kLeftOut);
     ApproachStarts();
     for (int iteration = 0; iteration < kStepIterations; ++iteration) {
@@ -190,7 +193,8 @@ class StepSolver::Search {
       ParallelFor(static_cast<int>(islands_.size()), model_.threads(), [&](int i, int) {
         if (islands_[i].phase == Phase::kSearching) FindDirection(&islands_[i]);
       });
-      LineSearch();
+      linear = !IsLastStep();
+      LineSearch(linear ? Slopes::kFound : Slopes::kLeftOut);
     }
     for (Island& island : islands_) {
       if (island.phase != Phase::kSearching) continue;
@@ -202,6 +206,13 @@ class StepSolver::Search {
   bool AnySearching() const {
     return std::ranges::any_of(islands_,
                                [](const Island& i) { return i.phase == Phase::kSearching; });
+  }
+
+  // Whether all is so close to being solved that the next step is likely to do.
+  bool IsLastStep() {
+    return std::ranges::all_of(islands_, [this](const Island& island) {
+      return island.phase == Phase::kDone || island.merit <= Square(kStepNear * ScaleOf(island));
+    });
   }
 
   // Forces at the trial velocities, of the islands that are searching.
@@ -265,7 +276,7 @@ class StepSolver::Search {
   }
 
   // Every searching island steps as far as lessens its residual.
-  void LineSearch() {
+  void LineSearch(Slopes slopes = Slopes::kFound) {
     std::vector<Island*> open;
     for (Island& island : islands_) {
       if (island.phase == Phase::kSearching) open.push_back(&island);
@@ -278,7 +289,7 @@ class StepSolver::Search {
         ForEachDof(*island,
                    [&](int dof) { trial_[dof] = v_[dof] + island->length * direction_[dof]; });
       }
-      Evaluate();
+      Evaluate(slopes);
       std::erase_if(open, [&](Island* island) { return Judge(island); });
     }
     for (Island* island : searching) {
