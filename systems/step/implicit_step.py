@@ -13,12 +13,13 @@ from pydrake.multibody.tree import BodyIndex, JointActuatorIndex
 
 from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
+from systems.step.free_motion import FORCES, FreeMotion
 from systems.step.linearized_step import LinearizedStep, StepSlopes
+from systems.step.plant_trees import PlantTrees
 from systems.step.plant_twin import PlantTwin, TwinAtState
 from systems.step.step_limits import StepLimits
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # A plant step lands this close to where the solver put it, relative to the change of velocity.
 _TOLERANCE = 1e-6
@@ -80,6 +81,28 @@ class SolvedStep(NamedTuple):
         )
 
 
+class _Begun(NamedTuple):
+    """A step before contact is solved for.
+
+    Attributes
+    ----------
+    v_plain
+        (nv,) where it leads without contact.
+    reached
+        (nv,) where the plant was seen to go, under likely forces or without.
+    inertia, stiffening
+        A, and what of it limits and constraints were found to add.
+    trusted
+        Whether the plant is known to answer as A says.
+    """
+
+    v_plain: Floats
+    reached: Floats
+    inertia: Floats
+    stiffening: Floats | None
+    trusted: bool
+
+
 class ImplicitStep:
     """Solves backward Euler in the contact forces of a discrete plant.
 
@@ -117,7 +140,7 @@ class ImplicitStep:
         self._slopes: StepSlopes | None = None  # when the first is asked for
         self._step = plant.time_step()
         self._nq, self._nv = plant.num_positions(), plant.num_velocities()
-        trees = _Trees(self._twin.plant, bodies, self._twin.touching)
+        trees = PlantTrees(self._twin.plant, bodies, self._twin.touching)
         self._jointed = trees.jointed
         links = {row: self._twin.plant.get_body(index) for row, index in trees.jointed.items()}
         self._links = [(row, body, body.body_frame()) for row, body in links.items()]
@@ -144,6 +167,7 @@ class ImplicitStep:
         # Forces move such a plant as A says, whatever else acts on it.
         self._affine = not (self._constrained or self._twin.touching or self._limits.bend)
         self._gravity = self._known_gravity() if self._affine and self._floats else None
+        self._free = self._known_free_motion()
 
     def solve(
         self,
@@ -172,20 +196,11 @@ class ImplicitStep:
             forces = solution.generalized_forces
             return SolvedStep(solution, solution.v, solution.v - v, forces, 0.0, 0.0, 1)
         twin = self._twin.at(x, inputs)
-        given = inputs.get("applied_generalized_force")
+        given = inputs.get(FORCES)
         outer = np.zeros(self._nv) if given is None else np.asarray(given)
-        trusted = last is not None and last.leads_to(v)
-        likely = np.zeros(self._nv)
-        if last is not None and trusted:
-            likely[self._dofs] = last.generalized_forces[self._dofs]
-        reached = twin.reached(outer + likely)
-        inertia = own = _NOTHING if self._floats else twin.mass_matrix() + self._own
-        stiffening = last.stiffening if last else None
-        if stiffening is not None:
-            inertia = own + stiffening
-        v_plain, before = reached, np.inf
-        if trusted:
-            v_plain = self._without(likely, reached, inertia, v_plain)
+        begun = self._begin(twin, v, outer, inputs, last)
+        v_plain, reached, inertia, stiffening, trusted = begun
+        own = inertia if stiffening is None else inertia - stiffening
         free = np.abs(v_plain - v).max()
         v_next = v
         if last is not None and np.abs(last.change).max() <= free:
@@ -194,48 +209,65 @@ class ImplicitStep:
         if self._links:
             X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
             twin.kinematics_after(self._step, v_next, self._links, X_WB, jacobian)
+        mismatch, before = 0.0, np.inf
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
                 state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next
             )
-            ends = np.array([reached, aimed])
-            if self._affine or (trusted and self._limits.are_far(q, ends, self._step, inputs)):
-                allowed = _TOLERANCE * (free + np.abs(aimed - v).max())
-                return SolvedStep(
-                    solution, aimed, aimed - v, forces, 0.0, allowed, round_, stiffening, trusted
-                )
-            reached = twin.reached(outer + forces)
-            mismatch, led = np.abs([reached - aimed, reached - v]).max(axis=1)
-            allowed = _TOLERANCE * (led + free)
-            if mismatch <= allowed or round_ == _ROUNDS or mismatch > before / 2:
+            led = np.abs(aimed - v).max()
+            allowed = _TOLERANCE * float(led + free)
+            far = self._affine or self._limits.are_far(
+                q, np.array([reached, aimed]), self._step, inputs
+            )
+            if self._affine or (trusted and far):
+                mismatch, trusted = 0.0, True
                 break
-            trusted, before = False, mismatch
+            reached = twin.reached(outer + forces)
+            mismatch = float(np.abs(reached - aimed).max())
+            agreed, bears = mismatch <= allowed, bool(forces[self._dofs].any())
+            known = stiffening is not None or not (self._constrained and bears)
+            seen = bears or self._free is not None
+            trusted = agreed and known and far and seen and not self._twin.touching
+            if (agreed and known) or mismatch > before / 2 or round_ == _ROUNDS:
+                break
+            before = mismatch
             if not self._floats:
                 inertia = self._response(twin, outer + forces, reached, own)
                 stiffening = inertia - own
                 v_plain = self._without(forces, reached, inertia, v_plain)
-        trusted = (
-            bool(mismatch <= allowed)
-            and not self._twin.touching
-            and (stiffening is not None or not self._constrained)
-            and bool(forces[self._dofs].any())
-            and self._limits.are_far(q, np.array([reached, aimed]), self._step, inputs)
-        )
         return SolvedStep(
-            solution,
-            aimed,
-            aimed - v,
-            forces,
-            float(mismatch),
-            allowed,
-            round_,
-            stiffening,
-            trusted,
+            solution, aimed, aimed - v, forces, mismatch, allowed, round_, stiffening, trusted
         )
 
-    def _without(
-        self, forces: Floats, reached: Floats, inertia: Floats, v_plain: Floats
-    ) -> Floats:
+    def _begin(
+        self,
+        twin: TwinAtState,
+        v: Floats,
+        outer: Floats,
+        inputs: Mapping[str, object],
+        last: SolvedStep | None,
+    ) -> _Begun:
+        """Return what is known of a step before contact is solved for."""
+        inertia = _NOTHING if self._floats else twin.mass_matrix() + self._own
+        trusted = last is None or last.leads_to(v)
+        if trusted and self._free is not None and self._free.knows(inputs):
+            v_free = twin.free_motion(self._free, inputs, inertia)
+            return _Begun(v_free, v_free, inertia, None, True)
+        if last is None:
+            v_free = twin.reached(outer)
+            return _Begun(v_free, v_free, inertia, None, False)
+        if last.stiffening is not None:
+            inertia = inertia + last.stiffening
+        if not trusted:
+            v_free = twin.reached(outer)
+            return _Begun(v_free, v_free, inertia, last.stiffening, False)
+        likely = np.zeros(self._nv)
+        likely[self._dofs] = last.generalized_forces[self._dofs]
+        reached = twin.reached(outer + likely)
+        v_plain = self._without(likely, reached, inertia, reached)
+        return _Begun(v_plain, reached, inertia, last.stiffening, True)
+
+    def _without(self, forces: Floats, reached: Floats, inertia: Floats, v_plain: Floats) -> Floats:
         """Return v_plain, with the velocities that are not of floating bodies as without forces."""
         dofs, v_plain = self._dofs, v_plain.copy()
         response = self._step * np.linalg.solve(inertia[self._block], forces[dofs])
@@ -267,6 +299,25 @@ class ImplicitStep:
         expected = self._twin.at(np.concatenate([q, v]), {}).reached(np.zeros(self._nv))
         found = self._solver.free_motion(q, v, self._step, gravity)
         return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
+
+    def _known_free_motion(self) -> FreeMotion | None:
+        """Return the closed form of the free motion; None: the plant's is another."""
+        if self._constrained or self._twin.touching:
+            return None
+        twin = self._twin.plant
+        free = FreeMotion(twin)
+        x = twin.GetPositionsAndVelocities(self._twin.default_context())
+        x[: self._nq] = self._limits.amid(x[: self._nq])
+        x[self._nq :] = np.linspace(0.1, 0.3, self._nv)
+        inputs = free.some_inputs(x)
+        at = self._twin.apart(x, inputs)
+        expected = at.reached(inputs[FORCES])
+        A = at.mass_matrix() + self._own
+        found = at.free_motion(free, inputs, A)
+        ends = np.array([expected, found])
+        if not self._limits.are_far(x[: self._nq], ends, self._step, inputs):
+            return None
+        return free if np.allclose(found, expected, rtol=1e-9, atol=1e-11) else None
 
     def _solve(
         self,
@@ -323,76 +374,6 @@ class ImplicitStep:
         after = inertia.copy()
         after[self._block] = self._step * (vectors / values) @ vectors.T
         return after
-
-
-class _Trees:
-    """The plant's degrees of freedom as the solver wants them.
-
-    Each floating body, with what is welded to it, is a tree of its own, unless the plant has
-    constraints, which may tie it, or it is `tied` by built-in contact; all other velocities, the
-    `rest`, make one more tree. Trees stand in the order of their velocities; only a rest with gaps
-    comes last, and `order` then sorts velocities so.
-    """
-
-    def __init__(
-        self, plant: MultibodyPlant, bodies: Sequence[BodyIndex], tied: set[BodyIndex]
-    ) -> None:
-        context = plant.CreateDefaultContext()
-        single = _floating_trees(plant, tied)
-        dofs: dict[BodyIndex | None, Integers] = {}  # of a tree, by the body that floats
-        for root in single:
-            start = plant.get_body(root).floating_velocities_start_in_v()
-            dofs[root] = np.arange(start, start + 6)
-        every = np.arange(plant.num_velocities())
-        self.rest = np.setdiff1d(every, np.concatenate([every[:0], *dofs.values()]))
-        gaps = bool((np.diff(self.rest) > 1).any())
-        if len(self.rest):
-            dofs[None] = self.rest
-        roots = sorted(dofs, key=lambda root: (gaps and root is None, dofs[root][0]))
-        self.order = np.concatenate([dofs[root] for root in roots]) if gaps else None
-        self.nv = [len(dofs[root]) for root in roots]
-        self.v_start = [sum(self.nv[:i]) for i in range(len(roots))]
-        self.q_start = [-1] * len(roots)
-        self.inertia_R = np.zeros((len(roots), 6, 6))
-        for tree, root in enumerate(roots):
-            if root is not None:
-                floating, welded = plant.get_body(root), sorted(single[root], key=int)
-                self.q_start[tree] = floating.floating_positions_start()
-                inertia = plant.CalcSpatialInertia(context, floating.body_frame(), welded)
-                self.inertia_R[tree] = inertia.CopyToFullMatrix6()
-        root_of = {body: root for root, welded in single.items() for body in welded}
-        self.X_WB = np.tile(np.eye(4), (len(bodies), 1, 1))
-        self.X_RB = np.tile(np.eye(4), (len(bodies), 1, 1))
-        self.tree = [-1] * len(bodies)
-        self.jointed: dict[int, BodyIndex] = {}
-        for row, index in enumerate(bodies):
-            body = plant.get_body(index)
-            X_WB = plant.EvalBodyPoseInWorld(context, body)
-            if plant.IsAnchored(body):
-                self.X_WB[row] = X_WB.GetAsMatrix4()
-                continue
-            root = root_of.get(index)
-            self.tree[row] = roots.index(root)
-            if root is None:
-                self.jointed[row] = index
-            else:
-                X_WR = plant.EvalBodyPoseInWorld(context, plant.get_body(root))
-                self.X_RB[row] = (X_WR.inverse() @ X_WB).GetAsMatrix4()
-
-
-def _floating_trees(plant: MultibodyPlant, tied: set[BodyIndex]) -> dict[BodyIndex, set[BodyIndex]]:
-    """Return the bodies that float by themselves, and for each what is welded to it, itself too."""
-    if plant.num_constraints():
-        return {}
-    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
-    children = {each.parent_body().index() for each in joints if each.num_velocities() > 0}
-    single = {}
-    for index in plant.GetFloatingBaseBodies():
-        body = plant.get_body(index)
-        welded = {each.index() for each in plant.GetBodiesWeldedTo(body)}
-        if body.has_quaternion_dofs() and not welded & (children | tied):
-            single[index] = welded
-    return single
 
 
 def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:

@@ -19,12 +19,12 @@ from pydrake.multibody.tree import (
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, FixedInputPortValue
 
 from systems.plant.pairs import GeometryPair
+from systems.step.free_motion import FORCES, FreeMotion
 from systems.wiring.builtin_contact import take_over_pairs
 
 Floats = NDArray[np.float64]
 Link = tuple[int, RigidBody, RigidBodyFrame]
 """Row in the contact model, the body and its frame, looked up once."""
-_OURS = "applied_generalized_force"
 _ORIGIN = np.zeros(3)
 
 
@@ -96,6 +96,12 @@ class PlantTwin:
         self._local.twin.go_to(x, inputs)
         return self._local.twin
 
+    def apart(self, x: Floats, inputs: Mapping[str, object]) -> TwinAtState:
+        """Return one of its own, whose inputs `at` does not see later."""
+        twin = TwinAtState(self._diagram, self._plant)
+        twin.go_to(x, inputs)
+        return twin
+
 
 class TwinAtState:
     """A twin at a state and inputs: the contexts that one thread works in.
@@ -125,7 +131,7 @@ class TwinAtState:
 
     def reached(self, forces: Floats) -> Floats:
         """Return the velocities (nv,) at the end of a step under generalized forces (nv,)."""
-        self._fix(_OURS, forces)
+        self._fix(FORCES, forces)
         if self._sampled:
             self._plant.CalcForcedUnrestrictedUpdate(self._context, self._after)
             x = self._after.get_discrete_state().get_vector(0)
@@ -136,6 +142,10 @@ class TwinAtState:
     def mass_matrix(self) -> Floats:
         """Return (nv, nv)."""
         return self._plant.CalcMassMatrix(self._context)
+
+    def free_motion(self, free: FreeMotion, inputs: Mapping[str, object], A: Floats) -> Floats:
+        """Return the velocities (nv,) at the end of a step, in closed form."""
+        return free.at(self._context, self._x, inputs, A if len(A) else self.mass_matrix())
 
     def kinematics_after(
         self, duration: float, v: Floats, links: Sequence[Link], X_WB: Floats, J: Floats

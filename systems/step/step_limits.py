@@ -80,6 +80,14 @@ class StepLimits:
             for instance in sorted({each.model_instance() for each in limited}, key=int)
         ]
 
+    def amid(self, q: Floats) -> Floats:
+        """Return positions q (nq,) with those of limited joints amid their limits."""
+        q = q.copy()
+        lower = np.where(np.isfinite(self._lower), self._lower, self._upper - 1)
+        upper = np.where(np.isfinite(self._upper), self._upper, self._lower + 1)
+        q[self._q] = (lower + upper) / 2
+        return q
+
     def are_far(
         self, q: Floats, velocities: Floats, step: float, inputs: Mapping[str, object]
     ) -> bool:
