@@ -278,7 +278,16 @@ class ContactModel:
         -------
         Floats
             (nb, 6, n) changes of `Forces.body_wrenches`.
+
+        Raises
+        ------
+        ValueError
+            For motions of another shape.
         """
+        shape = (len(X_FB), 6, dX_FB.shape[-1])
+        for name, motions in (("dX_FB", dX_FB), ("dV_FB", dV_FB)):
+            if motions.shape != shape:
+                raise ValueError(f"{name} must be (nb, 6, n), here {shape}, and is {motions.shape}")
         linear = self.linearize(X_FB, V_FB, state)
         return wrench_slopes(linear, X_FB, V_FB, dX_FB, dV_FB)
 

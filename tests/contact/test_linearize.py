@@ -397,3 +397,5 @@ def test_wrenches_on_all_bodies_change_as_they_move(web):
         scale = np.abs(differences / np.repeat([RADIUS, 1.0], 3)).max()
         off = np.abs((slopes[..., k] - differences) / np.repeat([RADIUS, 1.0], 3))
         assert off.max() < TOLERANCE * scale, k
+    with pytest.raises(ValueError, match=r"dV_FB must be \(nb, 6, n\), here \(3, 6, 36\)"):
+        model.differentiate(X_FB, V_FB, dX, dV[..., 0], state)
