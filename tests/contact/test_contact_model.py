@@ -372,6 +372,31 @@ def test_remembering_the_last_step_changes_no_bit_at_an_edge():
     assert loaded > 80
 
 
+def test_remembering_the_last_step_changes_no_bit_where_an_edge_lies_across_a_face():
+    """An edge between nodes bears load through none of them: it would be forgotten."""
+    cube = CollisionMesh(*box([0.1, 0.1, 0.1]))
+    web = AreaWeb(resolution=0.3, field="exact", sampled="a")
+    model = scenes.model(cube, cube, NonlinearDamper(1e9), web=web)
+    rng = np.random.default_rng(5)
+    loaded = 0
+    for turn in rng.uniform(-0.7, 0.7, size=40):
+        on_edge = Rotation.from_euler("zx", [turn, np.pi / 4]).as_matrix()
+        p = np.array([*rng.uniform(-0.01, 0.01, size=2), 0.05 * (1 + np.sqrt(2)) - 2e-5])
+        state = model.initial_state()
+        for i in range(4):
+            forces = model.evaluate(scenes.poses(p, on_edge), scenes.velocities(), state)
+            state = model.advance(state, 1e-3 * i, forces)
+            for reach in (0.1, 3.0, 10.0):
+                X_FB = scenes.poses(p + reach * 1e-6 * rng.normal(size=3), on_edge)
+                warm = model.evaluate(X_FB, scenes.velocities(), state)
+                cold = model.evaluate(X_FB, scenes.velocities())
+                assert warm.body_wrenches.tobytes() == cold.body_wrenches.tobytes()
+                assert warm.contacts.key.tobytes() == cold.contacts.key.tobytes()
+                loaded += len(warm.loaded) > 0
+            p += 1e-6 * rng.normal(size=3)
+    assert loaded > 400
+
+
 @pytest.mark.parametrize("mu", [0.0, 0.4])
 def test_what_is_stored_lost_and_given_adds_up(mu):
     """A ledger that finds steps too long, or just right, where they are not."""

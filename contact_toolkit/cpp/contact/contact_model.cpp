@@ -86,9 +86,7 @@ bool ContactModel::FindPair(int index, std::span<const Pose> X_FB, const Contact
     found->springs.clear();
     return true;
   }
-  std::shared_ptr<const WebMemory> memory = found->known.memory;
-  if (!memory && state) memory = state->StateOf(index).memory;
-  if (memory) return pair.web->RecallSprings(*memory, found->X_AB, &found->springs);
+  if (RecallPair(state, found)) return true;
   // Of a pair that may well be apart that is soon told.
   const double clearance =
       state && !(found->springs.withheld > 0) ? pair.web->Clearance(found->X_AB, 0) : 0;
@@ -99,6 +97,22 @@ bool ContactModel::FindPair(int index, std::span<const Pose> X_FB, const Contact
   }
   pair.web->FindSprings(found->X_AB, &found->springs);
   return false;
+}
+
+bool ContactModel::RecallPair(const ContactState* state, PairSprings* found) const {
+  const SpringWeb& web = *pairs_[found->pair].web;
+  const auto recall = [&](const std::shared_ptr<const WebMemory>& memory) {
+    return memory && web.RecallSprings(*memory, found->X_AB, &found->springs);
+  };
+  if (recall(found->known.memory)) return true;
+  const std::shared_ptr<LatestMemory> latest = state ? state->StateOf(found->pair).memory : nullptr;
+  if (!latest) return false;
+  if (recall(latest->Get())) return true;
+  const PairSprings* last = state->SpringsOf(found->pair);
+  const auto around = last ? web.LookAround(last->springs, last->X_AB, found->X_AB) : nullptr;
+  if (!recall(around)) return false;
+  latest->Set(around);
+  return true;
 }
 
 void ContactModel::LookAround(const Pose& last_X_AB, const ContactState* state,

@@ -91,6 +91,9 @@ class ContactModel {
                                                         std::shared_ptr<const Forces> forces) const;
 
  private:
+  // By what is known of the pair's surroundings; of one that was in contact they are looked at anew
+  // where that does not reach so far. False: nothing was found.
+  bool RecallPair(const ContactState* state, PairSprings* found) const;
   std::shared_ptr<LoadedSprings> FindLoaded(std::span<const Pose> X_FB, const ContactState* state,
                                             bool with_slopes) const;
   std::shared_ptr<const Forces> EvaluateForces(std::shared_ptr<const LoadedSprings> loaded,

@@ -142,8 +142,10 @@ std::shared_ptr<ContactState> ContactModel::Next(const ContactState& state, doub
       if (pair_state.anchors != before) changed.store(true, std::memory_order_relaxed);
     }
     const Pose last_X_AB = last ? PoseOf(pair, last->loaded->X_FB) : entry.X_AB;
-    if (entry.known.memory) pair_state.memory = entry.known.memory;
-    pair_state.memory = pair.web->Remember(entry.springs, last_X_AB, entry.X_AB, pair_state.memory);
+    auto memory = entry.known.memory;
+    if (!memory && pair_state.memory) memory = pair_state.memory->Get();
+    pair_state.memory = std::make_shared<LatestMemory>();
+    pair_state.memory->Set(pair.web->Remember(entry.springs, last_X_AB, entry.X_AB, memory));
     next->pairs[i] = std::move(pair_state);
   });
   next->separations = Separations(state, *forces->loaded);

@@ -14,11 +14,12 @@
 
 namespace contact_toolkit {
 
-// Of a pair that was in contact at the last accepted step; either may be null.
+// Of a pair that was in contact at the last accepted step; of others both are null. Without
+// friction there are no anchors.
 struct PairState {
-  int pair;
+  int pair = -1;
   std::shared_ptr<const AnchorSet> anchors;
-  std::shared_ptr<const WebMemory> memory;
+  std::shared_ptr<LatestMemory> memory = std::make_shared<LatestMemory>();
 };
 
 struct ContactState : std::enable_shared_from_this<ContactState> {
@@ -36,6 +37,8 @@ struct ContactState : std::enable_shared_from_this<ContactState> {
 
   // What is kept of a pair; null pointers if nothing.
   PairState StateOf(int pair) const;
+  // Its springs at the last accepted step; null if it had none.
+  const PairSprings* SpringsOf(int pair) const;
   // How far apart it is; null if that is not known.
   const Separation* SeparationOf(int pair) const;
 

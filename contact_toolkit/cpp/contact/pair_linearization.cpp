@@ -128,7 +128,7 @@ class PairSum {
       SpringChange::Direction d;
       d.held = Cross(kAxes[k], held);
       d.since = Cross(kAxes[k], since);
-      by_pose.by[k] += LoadAt(p, change.By(d));
+      by_pose.by[k] += LoadAt(p, source.weight > 0 ? change.By(d) : change.ByHeld(d.held));
     }
   }
 

@@ -93,6 +93,11 @@ class SpringChange {
     return change;
   }
 
+  // The same where nothing but `held` changes.
+  Vec3 ByHeld(const Vec3& held) const {
+    return rubs_ ? Limited(-tangential_stiffness_ * InPlane(held)) : Vec3{};
+  }
+
   // For a displacement u of a point whose direction stays, which is held to the share `held` and
   // carried through a field of velocities turning at w: the force changes by
   //   held u + isotropic (w × u) + (normal() ⊗ normal + along() ⊗ along) u,

@@ -52,10 +52,7 @@ void FacetWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
 
 bool FacetWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& candidates = static_cast<const Candidates&>(memory).pairs;
-  if (!candidates.Covers(X_AB, standoff_)) {
-    FindSprings(X_AB, springs);
-    return false;
-  }
+  if (!candidates.Covers(X_AB, standoff_)) return false;
   auto& pairs = Scratch<WitnessPairs>([] {});
   auto& measured = Scratch<MeasuredRows>([] {});
   candidates.FindWitnessPairs(X_AB, standoff_, true, &pairs, &measured);

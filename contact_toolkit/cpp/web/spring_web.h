@@ -29,12 +29,18 @@ class SpringWeb {
   // Replaces what `springs` held; rows in an order fixed by the geometries and the pose.
   virtual void FindSprings(const Pose& X_AB, SpringSet* springs) const = 0;
 
-  // The same, to the bit, with the help of what Remember() returned at an earlier pose; false where
-  // that did not help.
-  virtual bool RecallSprings(const WebMemory& /*memory*/, const Pose& X_AB,
-                             SpringSet* springs) const {
-    FindSprings(X_AB, springs);
+  // The same, to the bit, with the help of what was remembered at a pose nearby; false where it
+  // does not reach so far: then nothing is found.
+  virtual bool RecallSprings(const WebMemory& /*memory*/, const Pose& /*X_AB*/,
+                             SpringSet* /*springs*/) const {
     return false;
+  }
+
+  // What helps with several searches near a pose, after a pose with these springs; null: nothing.
+  virtual std::shared_ptr<const WebMemory> LookAround(const SpringSet& /*last_springs*/,
+                                                      const Pose& /*last_X_AB*/,
+                                                      const Pose& /*X_AB*/) const {
+    return nullptr;
   }
 
   // What to remember after a step from one pose to another, where it found these springs: `before`,

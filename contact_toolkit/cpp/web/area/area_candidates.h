@@ -101,8 +101,7 @@ class CandidateGatherer {
                                         : largest);
           } else if (side >= 0) {
             AddFlat(largest, side, test_.ClearanceAbove(side, CornersOf(largest)));
-          } else if (const Corners corners = CornersOf(largest);
-                     !test_.IsRound(corners) || test_.MayLoad(corners)) {
+          } else if (test_.MayLoad(CornersOf(largest))) {
             AddLargest(patch, i);
           }
         }

@@ -63,7 +63,7 @@ std::int32_t AreaGrounds::WedgeUnder(const Pose& X_PS, const Corners& corners, d
 
 bool AreaGrounds::IsNeverFlatUnder(const Pose& X_PS, const Corners& corners, double way) const {
   if (!flats_) return true;
-  if (wedges_ && !wedges_->empty()) return false;
+  if (has_wedges()) return false;
   const double radius = RadiusOf(corners);
   const Vec3 center = X_PS * CenterOf(corners);
   const KnownRegion region = flats_->About(center, radius);

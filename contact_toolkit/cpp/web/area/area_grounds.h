@@ -32,6 +32,8 @@ class AreaGrounds {
   // Whether Under() is certainly -1 at each of the poses.
   bool IsNeverFlatUnder(const Pose& X_PS, const Corners& corners, double way) const;
 
+  // Whether a ground may be a wedge.
+  bool has_wedges() const { return wedges_ && !wedges_->empty(); }
   // The flat sides of a ground.
   std::span<const std::int32_t> SidesOf(const std::int32_t& ground) const;
   const FlatSides::Side& side(std::int32_t index) const { return flats_->side(index); }

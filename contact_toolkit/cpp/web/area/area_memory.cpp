@@ -9,7 +9,8 @@ double AreaMemory::Way(const Vec3& p, double radius) const {
   return slack * std::max(1.0, (Norm(p - around.center) + radius) / around.radius);
 }
 
-void AreaMemory::KeepTriangles(std::int32_t first, std::int32_t last, AreaCandidates* kept) const {
+void AreaMemory::KeepTriangles(std::int32_t first, std::int32_t last, bool edges,
+                               AreaCandidates* kept) const {
   for (std::int32_t t = first; t < last; t = candidates.triangles[t].last) {
     const AreaCandidates::Triangle& triangle = candidates.triangles[t];
     const std::size_t place = kept->triangles.size();
@@ -20,9 +21,9 @@ void AreaMemory::KeepTriangles(std::int32_t first, std::int32_t last, AreaCandid
     if (!open && !std::ranges::any_of(triangle.node, may_be_loaded)) continue;
     kept->triangles.push_back(triangle);
     kept->clearances.push_back(candidates.clearances[t]);
-    if (open) KeepTriangles(t + 1, triangle.last, kept);
+    if (open) KeepTriangles(t + 1, triangle.last, edges, kept);
     // An open triangle with a loaded corner has a part with it.
-    if (open && kept->triangles.size() == place + 1) {
+    if (open && !edges && kept->triangles.size() == place + 1) {
       kept->triangles.pop_back();
       kept->clearances.pop_back();
     } else {
@@ -31,13 +32,13 @@ void AreaMemory::KeepTriangles(std::int32_t first, std::int32_t last, AreaCandid
   }
 }
 
-void AreaMemory::Prune() {
+void AreaMemory::Prune(bool edges) {
   AreaCandidates kept;
   std::vector<std::int32_t> place_of(candidates.nodes.size(), -1);
   std::int32_t node = 0, triangle = 0;
   for (const AreaCandidates::Part& part : candidates.parts) {
     const std::size_t first = kept.triangles.size();
-    KeepTriangles(triangle, part.last_triangle, &kept);
+    KeepTriangles(triangle, part.last_triangle, edges, &kept);
     triangle = part.last_triangle;
     for (std::size_t t = first; t < kept.triangles.size(); ++t) {
       for (const std::int32_t i : kept.triangles[t].node) place_of[i] = 0;

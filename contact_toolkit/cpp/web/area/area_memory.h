@@ -23,12 +23,12 @@ struct AreaMemory final : WebMemory {
   // [m] No point of the ball moves farther within the slack.
   double Way(const Vec3& p, double radius) const;
 
-  // Drops triangles without a corner that may be loaded within the slack, and nodes of none; then
-  // enlarges the sphere to hold them all.
-  void Prune();
+  // Drops triangles that are not loaded within the slack, and nodes of none; then enlarges the
+  // sphere to hold them all. `edges`: whether edges may poke through a triangle between its nodes.
+  void Prune(bool edges);
 
  private:
-  void KeepTriangles(std::int32_t first, std::int32_t last, AreaCandidates* kept) const;
+  void KeepTriangles(std::int32_t first, std::int32_t last, bool edges, AreaCandidates* kept) const;
 };
 
 }  // namespace contact_toolkit

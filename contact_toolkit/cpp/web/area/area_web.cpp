@@ -287,10 +287,7 @@ void AreaWeb::FindSprings(const Pose& X_AB, SpringSet* springs) const {
 bool AreaWeb::RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const {
   const auto& near = static_cast<const AreaMemory&>(memory);
   const double motion = near.Motion(PoseOfSampled(X_AB));
-  if (!(motion <= near.slack)) {
-    FindSprings(X_AB, springs);
-    return false;
-  }
+  if (!(motion <= near.slack)) return false;
   if (smooth_) {
     const SmoothProbe probe(*smooth_, *bounds_, options_.standoff);
     Loader(*this, near.candidates, probe, X_AB, springs).Run(motion);
@@ -307,22 +304,39 @@ std::shared_ptr<const WebMemory> AreaWeb::Remember(const SpringSet& springs, con
                                                    std::shared_ptr<const WebMemory> before) const {
   if (springs.size() == 0) return nullptr;
   const Pose last_X_PS = PoseOfSampled(last_X_AB), X_PS = PoseOfSampled(X_AB);
-  // Little is gathered for what moves little.
-  const auto slack_for = [this](double moved) {
-    const double spacing = nodes_->round() ? nodes_->round().across : spacing_;
-    return std::clamp(kSlackSteps * moved, kLeastAreaSlack * spacing, kAreaSlack * spacing);
-  };
   if (const auto* kept = static_cast<const AreaMemory*>(before.get())) {
     const double moved = MotionAround(kept->around, last_X_PS, X_PS);
     const bool serves = kept->Motion(X_PS) + moved <= kept->slack;
-    if (serves && kept->slack <= kMuchSlack * slack_for(moved)) return before;
+    if (serves && kept->slack <= kMuchSlack * SlackFor(moved)) return before;
   }
+  const Sphere around = Around(springs, X_AB);
+  const double moved = MotionAround(around, last_X_PS, X_PS), slack = SlackFor(moved);
+  // Gathering must serve at least one more step such as the last.
+  return 2 * moved <= slack ? GatherNear(X_PS, around, slack) : nullptr;
+}
+
+std::shared_ptr<const WebMemory> AreaWeb::LookAround(const SpringSet& last_springs,
+                                                     const Pose& last_X_AB,
+                                                     const Pose& X_AB) const {
+  const Pose last_X_PS = PoseOfSampled(last_X_AB), X_PS = PoseOfSampled(X_AB);
+  const Sphere around = Around(last_springs, last_X_AB);
+  return GatherNear(X_PS, around, SlackFor(MotionAround(around, last_X_PS, X_PS)));
+}
+
+Sphere AreaWeb::Around(const SpringSet& springs, const Pose& X_AB) const {
   Sphere around = SphereAround(springs.p_AC.data(), springs.size());
   if (!samples_a_) around.center = Inverse(X_AB) * around.center;
   around.radius = std::max(around.radius, spacing_);
-  const double moved = MotionAround(around, last_X_PS, X_PS), slack = slack_for(moved);
-  // Gathering must serve at least one more step such as the last.
-  if (!(2 * moved <= slack)) return nullptr;
+  return around;
+}
+
+double AreaWeb::SlackFor(double moved) const {
+  const double spacing = nodes_->round() ? nodes_->round().across : spacing_;
+  return std::clamp(kSlackSteps * moved, kLeastAreaSlack * spacing, kAreaSlack * spacing);
+}
+
+std::shared_ptr<const AreaMemory> AreaWeb::GatherNear(const Pose& X_PS, const Sphere& around,
+                                                      double slack) const {
   auto memory = std::make_shared<AreaMemory>();
   memory->X_PS = X_PS;
   memory->around = around;
@@ -352,7 +366,7 @@ void AreaWeb::GatherNear(Probe* probe, AreaMemory* memory) const {
         std::min({candidates.nodes[a].clearance, candidates.nodes[b].clearance,
                   candidates.nodes[c].clearance});
   }
-  memory->Prune();
+  memory->Prune(grounds_.has_wedges());
   if (smooth_ || surface_->primitive()) return;
   for (const AreaCandidates::Node& node : candidates.nodes) {
     if (std::isnan(node.clearance)) {

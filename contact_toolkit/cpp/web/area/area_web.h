@@ -60,6 +60,9 @@ class AreaWeb final : public SpringWeb {
 
   bool RecallSprings(const WebMemory& memory, const Pose& X_AB, SpringSet* springs) const override;
 
+  std::shared_ptr<const WebMemory> LookAround(const SpringSet& last_springs, const Pose& last_X_AB,
+                                              const Pose& X_AB) const override;
+
   std::shared_ptr<const WebMemory> Remember(const SpringSet& springs, const Pose& last_X_AB,
                                             const Pose& X_AB,
                                             std::shared_ptr<const WebMemory> before) const override;
@@ -84,6 +87,12 @@ class AreaWeb final : public SpringWeb {
   auto WithProbe(const Function& function) const;
   template <typename Probe, typename Way>
   void Gather(const Pose& X_PS, const Way& way, Probe* probe, AreaCandidates* candidates) const;
+  // In the sampled body, about springs found at a pose.
+  Sphere Around(const SpringSet& springs, const Pose& X_AB) const;
+  // [m] Little for what moves little.
+  double SlackFor(double moved) const;
+  std::shared_ptr<const AreaMemory> GatherNear(const Pose& X_PS, const Sphere& around,
+                                               double slack) const;
   template <typename Probe>
   void GatherNear(Probe* probe, AreaMemory* memory) const;
 
