@@ -8,6 +8,7 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
+from xml.parsers import expat
 
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
@@ -80,8 +81,8 @@ def readable_model(parser: Parser, path: Path, cache: str | Path | None = None) 
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
     try:
-        root = ET.fromstring(path.read_bytes())  # noqa: S314  as trusted as the program it is for
-    except ET.ParseError as error:
+        root = _read(path)
+    except expat.ExpatError as error:
         raise ValueError(f"{path}: not XML ({error})") from error
     for folder in path.resolve().parents:
         if (folder / "package.xml").is_file():
@@ -101,6 +102,19 @@ def readable_model(parser: Parser, path: Path, cache: str | Path | None = None) 
     partial.write_text(text)
     partial.replace(target)
     return target
+
+
+def _read(path: Path) -> ET.Element:
+    """Return the root of an XML file with all names as written, for Drake goes by these.
+
+    `drake:` stays `drake:`, and need not be declared.
+    """
+    tree, parser = ET.TreeBuilder(), expat.ParserCreate()
+    parser.StartElementHandler = tree.start
+    parser.EndElementHandler = tree.end
+    parser.CharacterDataHandler = tree.data
+    parser.Parse(path.read_bytes(), True)
+    return tree.close()
 
 
 class _Rewriter:
@@ -185,6 +199,6 @@ class _Reference:
 
 def _package_name(file: Path) -> str:
     try:
-        return (ET.fromstring(file.read_bytes()).findtext("name") or "").strip()  # noqa: S314  as above
-    except ET.ParseError:
+        return (_read(file).findtext("name") or "").strip()
+    except expat.ExpatError:
         return ""

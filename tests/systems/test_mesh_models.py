@@ -126,6 +126,21 @@ def test_packages_are_found_and_files_written_once(tmp_path):
     assert written[0] == written[1]
 
 
+@pytest.mark.parametrize("declared", [' xmlns:drake="http://drake.mit.edu"', ""])
+def test_drake_s_own_tags_outlast_the_copy(tmp_path, declared):
+    """Tags that are lost under another prefix; a model refused that Drake reads undeclared."""
+    export(tmp_path, "stl", scale=1e3)
+    tag = '<drake:proximity_properties><drake:mu_static value="0.7"/></drake:proximity_properties>'
+    text = urdf("brick.stl").replace("</collision>", f"{tag}</collision>")
+    (tmp_path / "model.urdf").write_text(text.replace('name="r"', f'name="r"{declared}'))
+    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.002)
+    parse_model(plant, tmp_path / "model.urdf", cache=tmp_path)
+    (geometry,) = plant.GetCollisionGeometriesForBody(plant.GetBodyByName("brick"))
+    properties = scene_graph.model_inspector().GetProximityProperties(geometry)
+    friction = properties.GetProperty("material", "coulomb_friction")
+    assert friction.static_friction() == 0.7
+
+
 def test_a_broken_mesh_is_named_with_its_model(tmp_path):
     """An error of the reader's that does not say which of a robot's meshes it is about."""
     (tmp_path / "brick.stl").write_bytes(b"solid nothing")
