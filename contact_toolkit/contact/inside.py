@@ -60,7 +60,8 @@ def tell_of_repairs(geometries: tuple[ContactGeometry, ...]) -> None:
         if solid.kind == "nearly closed":
             said.append(
                 f"it has {'; '.join(mesh.describe_defects())}: near them the sign is that of the "
-                f"winding number, and contact is not to be trusted"
+                f"winding number, and contact is not to be trusted; close them where it matters "
+                f"({inspect_command([geometry])})"
             )
         if solid.kind == "inside out":
             said.append(
