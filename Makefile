@@ -74,8 +74,8 @@ test: build  ## run the tests, all but the slow ones
 test-slow: build  ## run the slow tests
 	$(PYTEST) -n $(WORKERS) --dist loadfile -m slow $(ARGS) || [ $$? = 5 ]
 
-test-models: build $(VENV)/.extra-models  ## let model files of others fall on a table
-	$(PYTEST) -n $(WORKERS) -m slow tests/systems/test_model_zoo.py $(ARGS)
+test-models: build $(VENV)/.extra-models  ## let model files of others fall on a table, and act in scenes
+	$(PYTEST) -n $(WORKERS) -m slow tests/systems/test_model_zoo.py tests/systems/test_scenes.py $(ARGS)
 
 bench: build $(VENV)/.extra-bench  ## measure against the yardsticks
 	$(BIN)/python -m benchmarks --out benchmarks $(ARGS)

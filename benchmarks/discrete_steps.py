@@ -25,6 +25,7 @@ from pydrake.geometry import (
     DefaultProximityProperties,
     Mesh,
     ProximityProperties,
+    SceneGraph,
     SceneGraphConfig,
 )
 from pydrake.math import RigidTransform, RollPitchYaw
@@ -203,17 +204,25 @@ def cases(folder: Path) -> Iterator[Case]:
             )
 
 
-def run(case: Case, engine: str) -> Result:
-    builder = DiagramBuilder()
+def make_plant(
+    builder: DiagramBuilder, engine: str, step: float
+) -> tuple[MultibodyPlant, SceneGraph]:
+    """Return an empty plant for one of `ENGINES`; all geometry is compliant unless tagged."""
     defaults = DefaultProximityProperties(compliance_type="compliant")
     plant, scene_graph = AddMultibodyPlant(
-        MultibodyPlantConfig(time_step=case.step),
+        MultibodyPlantConfig(time_step=step),
         SceneGraphConfig(default_proximity_properties=defaults),
         builder,
     )
-    case.bodies(plant)
     if engine == "Drake point":
         plant.set_contact_model(ContactModel.kPoint)
+    return plant, scene_graph
+
+
+def run(case: Case, engine: str) -> Result:
+    builder = DiagramBuilder()
+    plant, scene_graph = make_plant(builder, engine, case.step)
+    case.bodies(plant)
     plant.Finalize()
     case.connect(builder, plant)
     contact = None

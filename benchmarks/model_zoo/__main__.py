@@ -8,7 +8,8 @@ from pathlib import Path
 
 from benchmarks.model_zoo.files import all_files, listed_files, write_list
 from benchmarks.model_zoo.run import BUDGET, fall_apart, loads_and_touches
-from benchmarks.model_zoo.table import write_table
+from benchmarks.model_zoo.table import table
+from scenarios.report.report import between_marks
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -32,7 +33,8 @@ def main() -> None:
             with arguments.out.open("a") as out:
                 out.write(json.dumps({"model": model.name, **result.as_dict()}) + "\n")
     if not arguments.out:
-        write_table(README, falls)
+        before, _, after = between_marks(README, "model zoo")
+        README.write_text(before + table(falls) + "\n" + after)
 
 
 main()

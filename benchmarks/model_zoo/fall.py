@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from pydrake.geometry import Box, SceneGraph
 from pydrake.math import RigidTransform
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, RigidBody
 from pydrake.systems.analysis import Simulator
@@ -102,7 +101,7 @@ def load(model: ModelFile) -> tuple[DiagramBuilder, MultibodyPlant, SceneGraph]:
     """Return a discrete plant of the model and a table; raises what Drake's parser raises."""
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=TIME_STEP)
-    add_model(Parser(plant), model)
+    add_model(plant, model)
     plant.RegisterCollisionGeometry(
         plant.world_body(),
         RigidTransform([0.0, 0.0, -0.5]),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pydrake.multibody.parsing import PackageMap, Parser
+from pydrake.multibody.plant import MultibodyPlant
 
 # Folder of each package's models, relative to where it is installed.
 PACKAGES = {
@@ -71,15 +72,21 @@ def write_list(files: list[ModelFile]) -> None:
     _LIST.write_text("".join(f"{each.package} {each.path}\n" for each in files))
 
 
-def add_model(parser: Parser, model: ModelFile) -> None:
-    """Parse a model; raises what Drake raises."""
-    folder = folder_of(model.package)
+def make_parser(plant: MultibodyPlant, package: str) -> Parser:
+    """Return a parser that knows a package's folder; raises where it is not installed."""
+    folder = folder_of(package)
     if folder is None:
-        raise FileNotFoundError(f"{model.package} is not installed: pip install {model.package}")
+        raise FileNotFoundError(f"{package} is not installed: pip install {package}")
+    parser = Parser(plant)
     packages: PackageMap = parser.package_map()
     packages.Remove("drake_models")  # would be fetched: hundreds of megabytes, or a long wait
     packages.PopulateFromFolder(str(folder))
-    if not packages.Contains(model.package):
-        packages.Add(model.package, str(folder))
+    if not packages.Contains(package):
+        packages.Add(package, str(folder))
     parser.SetAutoRenaming(True)
-    parser.AddModels(str(folder / model.path))
+    return parser
+
+
+def add_model(plant: MultibodyPlant, model: ModelFile) -> None:
+    """Parse a model; raises what Drake raises."""
+    make_parser(plant, model.package).AddModels(str(folder_of(model.package)) + "/" + model.path)

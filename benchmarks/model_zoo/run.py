@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
-import subprocess
 import sys
 
+from benchmarks.apart import ask_apart
 from benchmarks.model_zoo.fall import Fall, fall, load, moving_bodies
 from benchmarks.model_zoo.files import ModelFile
 
@@ -17,18 +17,13 @@ _TIME_OUT = 1800.0  # [s] until a process is taken to hang
 
 def fall_apart(model: ModelFile, budget: float = BUDGET) -> Fall:
     """Let a model fall in a process of its own."""
-    command = [sys.executable, "-m", "benchmarks.model_zoo.run", model.package, model.path]
-    command.append(str(budget))
+    arguments = (model.package, model.path, str(budget))
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=_TIME_OUT, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return Fall(outcome="failed", reason=f"hung for {_TIME_OUT:g} s")
-    if done.returncode != 0:
-        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-        return Fall(outcome="unloaded", reason=f"the process ended: {last[0]}")
-    return Fall(**json.loads(done.stdout.splitlines()[-1]))
+        return Fall(**ask_apart("benchmarks.model_zoo.run", *arguments, time_out=_TIME_OUT))
+    except TimeoutError as error:
+        return Fall(outcome="failed", reason=str(error))
+    except ChildProcessError as error:
+        return Fall(outcome="unloaded", reason=str(error))
 
 
 def loads_and_touches(model: ModelFile) -> bool:

@@ -4,23 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 
 from benchmarks.model_zoo.fall import AT_REST, Fall
 from benchmarks.model_zoo.files import ModelFile
-
-_BEGIN = "<!-- model zoo: python -m benchmarks.model_zoo -->"
-_END = "<!-- end of model zoo -->"
-
-
-def write_table(readme: Path, falls: Mapping[ModelFile, Fall]) -> None:
-    """Replace the table between its marks; raises ValueError where the marks are missing."""
-    text = readme.read_text()
-    if _BEGIN not in text or _END not in text:
-        raise ValueError(f"{readme}: put the table between {_BEGIN} and {_END}")
-    before, rest = text.split(_BEGIN, 1)
-    after = rest.split(_END, 1)[1]
-    readme.write_text(f"{before}{_BEGIN}\n{table(falls)}\n{_END}{after}")
 
 
 def table(falls: Mapping[ModelFile, Fall]) -> str:
