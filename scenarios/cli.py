@@ -310,12 +310,14 @@ def fit(
         Path | None, typer.Option(help="also write fit.json and fit.png into this folder")
     ] = None,
 ) -> None:
-    """Find parameters of a scenario from measured series, with their confidence intervals."""
+    """Find parameters from measured series; exit with 1 if one of them is not determined."""
     from scenarios.sweep.fit_report import fit_with_progress
 
     with _mistakes_without_traceback():
-        for path in fit_with_progress(console, file, out):
+        found, written = fit_with_progress(console, file, out)
+        for path in written:
             _tell("written", path)
+    raise typer.Exit(0 if found.converged and not found.undetermined else 1)
 
 
 @app.command()

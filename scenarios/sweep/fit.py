@@ -47,7 +47,12 @@ class FreeParameter:
 
     def value(self, u: float) -> float:
         """Return the parameter from the number of order 1 that is searched for."""
-        return self.start * math.exp(u) if self.logarithmic else float(self.start + self._span * u)
+        if not self.logarithmic:
+            return float(self.start + self._span * u)
+        try:
+            return self.start * math.exp(u)
+        except OverflowError:
+            return math.inf
 
     def place(self, value: float) -> float:
         """Return the inverse of `value`."""
@@ -55,6 +60,15 @@ class FreeParameter:
             return (value - self.start) / self._span
         ratio = value / self.start
         return math.log(ratio) if ratio > 0.0 else -math.inf
+
+    def telling(self, value: float) -> float:
+        """Return how wide an interval around a value may be that still says something of it.
+
+        As wide as the value (or the start, if that is larger and the scale is not logarithmic), but
+        less than all that is allowed.
+        """
+        size = abs(value) if self.logarithmic else max(abs(value), self._span)
+        return min(size, self.upper - self.lower)
 
     def check(self, where: str) -> None:
         """Raise ScenarioError for what cannot be searched."""
@@ -74,11 +88,20 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value and the interval that holds the true one with `CONFIDENCE`."""
+    """A value and the interval that holds the true one with `CONFIDENCE`.
+
+    `widest` is how wide an interval still says something of the value.
+    """
 
     value: float
     lower: float
     upper: float
+    widest: float
+
+    @property
+    def determined(self) -> bool:
+        """Whether the series determine it: its interval is no wider than `widest`."""
+        return self.upper - self.lower <= self.widest
 
 
 @dataclass(frozen=True)
@@ -101,6 +124,11 @@ class Fit:
     residuals: Floats
     evaluations: int
     converged: bool
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """The parameters that the series do not determine."""
+        return tuple(name for name, e in self.estimates.items() if not e.determined)
 
 
 def fit(
@@ -149,7 +177,7 @@ def fit(
     )
     half = half_widths(misfit.slopes(found.x, central=True), found.fun)
     estimates = {
-        name: Estimate(p.value(u), p.value(u - h), p.value(u + h))
+        name: Estimate(p.value(u), p.value(u - h), p.value(u + h), p.telling(p.value(u)))
         for (name, p), u, h in zip(parameters.items(), found.x, half, strict=True)
     }
     return Fit(estimates, found.fun * noise, misfit.evaluations, bool(found.status > 0))

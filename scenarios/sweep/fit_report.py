@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -17,8 +18,8 @@ from scenarios.sweep.fit import CONFIDENCE, Fit
 from scenarios.sweep.fit_file import Samples, fit_rollouts, load_fit
 
 
-def fit_with_progress(console: Console, file: Path, out: Path | None) -> list[Path]:
-    """Fit what a file says, print the table, and return the files written to `out`, if any."""
+def fit_with_progress(console: Console, file: Path, out: Path | None) -> tuple[Fit, list[Path]]:
+    """Fit what a file says and print the table; return it, and the files written to `out`."""
     name, wanted, base, samples = load_fit(file)
     with console.status(f"{name}: first rollout") as status:
 
@@ -39,15 +40,31 @@ def fit_with_progress(console: Console, file: Path, out: Path | None) -> list[Pa
     console.print(f"off by {rms:.3g} rms; {found.evaluations} rollouts")
     if not found.converged:
         console.print("the search was cut short: begin closer, or loosen the bounds")
+    for key in found.undetermined:
+        widest = found.estimates[key].widest
+        said = f"not determined: {key}, its interval is wider than {widest:.3g}"
+        console.print(Text(f"{said}; fix it, or measure what depends on it"), soft_wrap=True)
     if out is None:
-        return []
+        return found, []
     out.mkdir(parents=True, exist_ok=True)
-    return [_save(found, out / "fit.json"), _draw(found, samples, out / "fit.png")]
+    return found, [_save(found, out / "fit.json"), _draw(found, samples, out / "fit.png")]
 
 
 def _save(found: Fit, path: Path) -> Path:
-    said = asdict(found) | {"residuals": found.residuals.tolist(), "confidence": CONFIDENCE}
-    path.write_text(json.dumps(said, indent=1) + "\n", encoding="utf-8")
+    estimates = {
+        name: {key: number if math.isfinite(number) else None for key, number in asdict(e).items()}
+        | {"determined": e.determined}
+        for name, e in found.estimates.items()
+    }
+    said = {
+        "estimates": estimates,
+        "residuals": found.residuals.tolist(),
+        "evaluations": found.evaluations,
+        "converged": found.converged,
+        "not_determined": found.undetermined,
+        "confidence": CONFIDENCE,
+    }
+    path.write_text(json.dumps(said, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return path
 
 

@@ -46,38 +46,28 @@ double AreaBody::flatness() const {
 
 std::shared_ptr<const AreaNodes> AreaBody::nodes(double spacing, const RoundLattice& round) const {
   const std::lock_guard lock(mutex_);
-  auto& kept = nodes_[{spacing, round.across, round.along}];
-  if (!kept) kept = std::make_shared<const AreaNodes>(mesh_, spacing, round);
-  return kept;
+  return nodes_.Get({spacing, round.across, round.along}, mesh_, spacing, round);
 }
 
 std::shared_ptr<const DistanceBounds> AreaBody::bounds(double finest) const {
   const std::lock_guard lock(mutex_);
-  auto& kept = bounds_[finest];
-  if (!kept) kept = std::make_shared<const DistanceBounds>(surface_, finest);
-  return kept;
+  return bounds_.Get(finest, surface_, finest);
 }
 
 std::shared_ptr<const FlatRegions> AreaBody::flats(double finest) const {
   const std::lock_guard lock(mutex_);
-  auto& kept = flats_[finest];
-  if (!kept) kept = std::make_shared<const FlatRegions>(surface_, finest);
-  return kept;
+  return flats_.Get(finest, surface_, finest);
 }
 
 std::shared_ptr<const WedgeRegions> AreaBody::wedges(double finest) const {
   auto flats = this->flats(finest);
   const std::lock_guard lock(mutex_);
-  auto& kept = wedges_[finest];
-  if (!kept) kept = std::make_shared<const WedgeRegions>(surface_, std::move(flats), finest);
-  return kept;
+  return wedges_.Get(finest, surface_, std::move(flats), finest);
 }
 
 std::shared_ptr<const SmoothField> AreaBody::smooth_field(double cell) const {
   const std::lock_guard lock(mutex_);
-  auto& kept = smooth_fields_[cell];
-  if (!kept) kept = std::make_shared<const SmoothField>(surface_, cell);
-  return kept;
+  return smooth_fields_.Get(cell, surface_, cell);
 }
 
 }  // namespace contact_toolkit

@@ -1,12 +1,13 @@
 // What the area web derives from one mesh alone. Shared by all pairs of the geometry, so that a
-// hundred parts in a bin do not build it a hundred times; each item is made when first asked for.
+// hundred parts in a bin do not build it a hundred times; each item is made when first asked for,
+// and what is of a spacing goes with the last pair that has it: the other body's size decides that.
 #pragma once
 
 #include <array>
-#include <map>
 #include <memory>
 #include <mutex>
 
+#include "base/while_used.h"
 #include "shapes/mesh.h"
 #include "web/area/area_nodes.h"
 #include "web/area/distance_bounds.h"
@@ -44,11 +45,11 @@ class AreaBody {
   std::shared_ptr<const ProbedSurface> surface_;
   mutable std::mutex mutex_;
   mutable double thickness_ = -1, flatness_ = -1, overhang_ = -1;  // not yet found
-  mutable std::map<std::array<double, 3>, std::shared_ptr<const AreaNodes>> nodes_;
-  mutable std::map<double, std::shared_ptr<const DistanceBounds>> bounds_;
-  mutable std::map<double, std::shared_ptr<const FlatRegions>> flats_;
-  mutable std::map<double, std::shared_ptr<const WedgeRegions>> wedges_;
-  mutable std::map<double, std::shared_ptr<const SmoothField>> smooth_fields_;
+  mutable WhileUsed<std::array<double, 3>, AreaNodes> nodes_;
+  mutable WhileUsed<double, DistanceBounds> bounds_;
+  mutable WhileUsed<double, FlatRegions> flats_;
+  mutable WhileUsed<double, WedgeRegions> wedges_;
+  mutable WhileUsed<double, SmoothField> smooth_fields_;
 };
 
 }  // namespace contact_toolkit

@@ -113,10 +113,12 @@ void AreaNodes::BuildSharpEdges() {
   }
 }
 
-double AreaNodes::SpacingAt(const Vec3& p) const {
+double AreaNodes::SpacingAt(const Vec3& p, double enough) const {
   if (!sharp_edges_) return spacing_;
   const double reach = kGradedOver * spacing_;
-  const ClosestPoint closest = FindClosestPoint(*sharp_edges_, p, reach * reach);
+  const double within =
+      std::min(reach, reach * (enough / spacing_ - kFinest) / (1 - kFinest) + kTouching * reach);
+  const ClosestPoint closest = FindClosestPoint(*sharp_edges_, p, within * within);
   if (closest.slot < 0) return spacing_;
   const double share = std::sqrt(closest.squared_distance) / reach;
   return spacing_ * (kFinest + (1 - kFinest) * share);
@@ -126,7 +128,7 @@ bool AreaNodes::Splits(const Vec3& a, const Vec3& b) const {
   const double squared = SquaredNorm(b - a);
   if (squared > spacing_ * spacing_) return true;
   if (squared <= kFinest * kFinest * spacing_ * spacing_) return false;
-  const double spacing = SpacingAt(0.5 * (a + b));
+  const double spacing = SpacingAt(0.5 * (a + b), std::sqrt(squared));
   return squared > spacing * spacing;
 }
 
@@ -138,7 +140,7 @@ bool AreaNodes::SplitsRound(const Vec3& a, const Vec3& b) const {
   if (around > round_.across || along > round_.along) return true;
   if (!sharp_edges_) return false;
   // Of a cylinder's rims.
-  const double share = SpacingAt(0.5 * (a + b)) / spacing_;
+  const double share = SpacingAt(0.5 * (a + b), spacing_) / spacing_;
   return around > share * round_.across || along > share * round_.along;
 }
 

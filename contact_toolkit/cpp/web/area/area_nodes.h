@@ -92,7 +92,8 @@ class AreaNodes {
  private:
   void BuildSharpEdges();
   void BuildPatches();
-  double SpacingAt(const Vec3& p) const;
+  // Exact up to `enough`; what is larger may count as the largest.
+  double SpacingAt(const Vec3& p, double enough) const;
   bool Splits(const Vec3& a, const Vec3& b) const;
   bool SplitsRound(const Vec3& a, const Vec3& b) const;
   template <typename Emit>
