@@ -69,10 +69,15 @@ def surface_of(part: Part) -> Surface:
     Raises ValueError (MeshError for a file) for what cannot be made or read.
     """
     if not part.mesh:
-        vertices, faces = make_part(part.generator, part.parameters)
-        return vertices * part.scale, faces
+        vertices, faces = _unscaled(part.generator, json.dumps(part.parameters))
+        return vertices * part.scale, faces.copy()
     mesh = CollisionMesh.from_file(part.mesh, part.scale)
     return np.array(mesh.vertices), np.array(mesh.faces)
+
+
+@lru_cache(maxsize=32)
+def _unscaled(generator: str, parameters: str) -> Surface:
+    return make_part(generator, json.loads(parameters))
 
 
 def write_models(parts: Mapping[str, Part], folder: Path) -> None:

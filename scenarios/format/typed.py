@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar, get_origin, get_type_hints
+from typing import Any, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
 
 from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 
@@ -35,25 +35,49 @@ def typed(schema: type[Loaded], raw: dict[str, Any], where: str) -> Loaded:
         raise ScenarioError(f"{where}: {_explain(error, schema, raw)}") from error
 
 
-def _parse(schema: type[Loaded], raw: dict[str, Any]) -> Loaded:
+def _parse(schema: type[Loaded], raw: dict[str, Any], default: Loaded | None = None) -> Loaded:
     """Convert entry by entry: the loader is slow, and runs of a sweep differ in few entries.
 
     Mappings are sorted, as Drake dumps them: their order does not depend on where they were kept.
     """
-    kinds = {name: get_origin(kind) for name, kind in get_type_hints(schema).items()}
+    default = schema() if default is None else default
+    kinds = _hints(schema)
     values: dict[str, Any] = {}
     for key, value in raw.items():
         if key.startswith("_"):  # private to the file, as Drake has it
             continue
-        if kinds.get(key) is dict and isinstance(value, dict):
+        kind = kinds.get(key)
+        origin, of = get_origin(kind), get_args(kind)
+        if origin is dict and isinstance(value, dict):
             values[key] = {}
             for name, entry in sorted(value.items()):
-                values[key] |= _entry(schema, key, {name: entry})
-        elif kinds.get(key) is list and isinstance(value, list):
+                if _is_plain(of[1], entry):
+                    values[key][name] = _parse(of[1], entry)
+                else:
+                    values[key] |= _entry(schema, key, {name: entry})
+        elif kind is float and _is_number(value):
+            values[key] = float(value)
+        elif kind == list[float] and isinstance(value, list) and all(map(_is_number, value)):
+            values[key] = list(map(float, value))
+        elif origin is list and isinstance(value, list):
             values[key] = [_entry(schema, key, [entry])[0] for entry in value]
+        elif _is_plain(kind, value):
+            values[key] = _parse(kind, value, getattr(default, key))
         else:
             values[key] = _entry(schema, key, value)
-    return schema(**values)
+    return replace(default, **values)  # type: ignore[type-var]
+
+
+_hints = lru_cache(maxsize=64)(get_type_hints)
+
+
+def _is_plain(kind: Any, value: Any) -> bool:
+    """Whether it is a mapping for a dataclass of ours: its entries are converted one by one."""
+    return is_dataclass(kind) and isinstance(value, dict) and "_tag" not in value
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float)
 
 
 @dataclass(frozen=True)

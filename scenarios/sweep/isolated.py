@@ -21,7 +21,7 @@ from scenarios.sweep.outcome import Outcome
 
 GRACE = 1.5  # a run ends itself between steps; so many times its time-out, it is ended
 LOOK = 0.2  # [s] between two looks at the memory
-_FRESH = 0.5  # share of the memory limit beyond which the next run gets a new process
+FRESH = 0.5  # share of the memory limit beyond which the next run gets a new process
 _START = 120.0  # [s] a process may take to begin: Drake from a cold disk
 
 
@@ -56,7 +56,7 @@ class IsolatedRuns:
         limit = GRACE * self.task.time_out
         line, reason = self._wait(process, limit)
         if line:
-            if _memory(process) > _FRESH * self.task.memory_limit:
+            if _memory(process) > FRESH * self.task.memory_limit:
                 self.close()
             return Outcome(**json.loads(line))
         self.close()

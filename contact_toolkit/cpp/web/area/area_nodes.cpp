@@ -154,6 +154,28 @@ bool AreaNodes::Cut(const Corners& triangle, const Emit& emit) const {
       [&](const Vec3& a, const Vec3& b) { return round_.Raised(0.5 * (a + b)); }, emit);
 }
 
+// Answers of Splits: the triangles around an edge ask the same several times.
+class AreaNodes::AskedEdges {
+ public:
+  bool Of(const Vec3& a, const Vec3& b, const AreaNodes& nodes) {
+    const double squared = SquaredNorm(b - a);
+    const auto number = static_cast<std::size_t>(numbers_.Of(0.5 * (a + b)));
+    if (number == answers_.size()) answers_.push_back({-1, false});
+    Answer& answer = answers_[number];  // the diagonals of a parallelogram share their middle
+    if (answer.squared != squared) answer = {squared, nodes.Splits(a, b)};
+    return answer.splits;
+  }
+
+ private:
+  struct Answer {
+    double squared;  // of the edge's length
+    bool splits;
+  };
+  std::vector<Vec3> middles_;
+  PointNumbers numbers_{&middles_};
+  std::vector<Answer> answers_;
+};
+
 void AreaNodes::BuildPatches() {
   const double longest =
       std::max(kPatchSpacings * spacing_, 2 * std::sqrt(mesh_->area() / kMostPatches));
@@ -170,6 +192,7 @@ void AreaNodes::BuildPatches() {
     triangles = 0, parts = 0;
   };
   const std::vector<std::int32_t> sides = FindSides(*mesh_);
+  AskedEdges asked;
   first_root_.push_back(0);
   for (const std::int32_t facet : mesh_->bvh().slot_facet) {
     const auto& f = mesh_->faces()[facet];
@@ -178,7 +201,7 @@ void AreaNodes::BuildPatches() {
     const double largest =
         std::min(longest, kShareOfSide * flats.sides[flats.of_facet[facet]].diameter);
     const auto splits = [&](const Vec3& a, const Vec3& b) {
-      return SquaredNorm(b - a) > largest * largest && Splits(a, b);
+      return SquaredNorm(b - a) > largest * largest && asked.Of(a, b, *this);
     };
     const auto add = [&](const Corners& t) {
       const double cell = round_.IsRound(t) ? round_.across * round_.along : spacing_ * spacing_;

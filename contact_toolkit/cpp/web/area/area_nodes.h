@@ -99,6 +99,7 @@ class AreaNodes {
   template <typename Emit>
   bool Cut(const Corners& triangle, const Emit& emit) const;
   class Numbering;
+  class AskedEdges;
   std::unique_ptr<AreaPatch> MakePatch(std::int32_t index) const;
   std::unique_ptr<AreaParts> MakeParts(std::int32_t index) const;
   void AddParts(const Corners& triangle, int cuts, Numbering* numbering, AreaParts* parts) const;
