@@ -1,9 +1,13 @@
 """Fits: the true parameters lie within the intervals as often as these promise."""
 
+import json
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from contact_toolkit import NonlinearDamper
+from scenarios.cli import app
 from scenarios.format.errors import ScenarioError
 from scenarios.sweep.fit import FreeParameter, fit
 from scenarios.sweep.fit_file import fit_rollouts, load_fit, simulate
@@ -62,8 +66,25 @@ def test_what_the_series_do_not_tell_has_no_bounds():
     free = {"a": FreeParameter(start=2.0), "b": FreeParameter(start=2.5)}
     found = fit(lambda v: v["a"] * v["b"] * x, y, free)
     assert np.isinf(found.estimates["a"].upper)
+    assert found.undetermined == ("a", "b")
     product = found.estimates["a"].value * found.estimates["b"].value
     assert product == pytest.approx(6.0, rel=0.01)
+
+
+def test_an_interval_wider_than_what_it_holds_is_said_to_determine_nothing():
+    # `converged` with a stiffness of 1e6 that may as well be 1e3 or 1e9 reads like a result.
+    x = np.linspace(1.0, 2.0, 20)
+    y = 2.0 + x + np.random.default_rng(2).normal(0.0, 0.01, 20)
+    free = {
+        "a": FreeParameter(start=1.0),
+        "k": FreeParameter(start=1e6, lower=1.0, upper=1e12, logarithmic=True),
+        "c": FreeParameter(start=0.5, lower=0.0, upper=1.0),
+    }
+    found = fit(lambda v: v["a"] + x * (1 + 1e-4 * np.log(v["k"] / 1e6 + v["c"])), y, free)
+    assert set(found.undetermined) >= {"k", "c"}
+    assert found.estimates["a"].determined
+    assert found.estimates["a"].lower < 2.0 < found.estimates["a"].upper
+    assert np.isfinite(found.residuals).all()
 
 
 def test_too_few_samples_are_told():
@@ -104,6 +125,26 @@ def test_rollouts_give_back_the_damping_that_a_noisy_bounce_was_made_with(tmp_pa
     alpha = fit_rollouts(wanted, base, samples).estimates["alpha"]
     assert alpha.lower < 0.25 < alpha.upper
     assert alpha.upper - alpha.lower < 0.03
+
+
+def test_the_command_names_what_the_series_do_not_determine(tmp_path):
+    # A ball that falls straight down says nothing of friction.
+    times = np.linspace(0.0, 0.1, 12)
+    rows = "".join(f"{t},{0.14 - 9.81 / 2 * t * t}\n" for t in times)
+    text = FIT.replace("simulation_duration=0.5", "simulation_duration=0.1").replace(
+        "  series:",
+        "    friction: {sets: [contact.friction.static], start: 0.4, lower: 0.0, upper: 2.0}\n"
+        "  series:",
+    )
+    path = write(tmp_path, text, csv="t,height\n" + rows)
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["fit", str(path), "--out", str(out)], env={"COLUMNS": "200"})
+    assert result.exit_code == 1, result.output
+    assert "not determined: friction, its interval is wider than 0.4" in result.output
+    said = json.loads((out / "fit.json").read_text())
+    assert "friction" in said["not_determined"]
+    friction = said["estimates"]["friction"]
+    assert (friction["determined"], friction["upper"]) == (False, None)
 
 
 @pytest.mark.parametrize(
