@@ -42,11 +42,11 @@ HEADING = f"""# Parts in a bin
 
 Made by `python -m benchmarks.bin_growth --out benchmarks/BIN.md`. The first parts of the scenario
 `part_bin_hundred`, brackets and sleeves of at least {FEWEST_FACETS} facets each, in its bin, at
-steps of {1e3 * STEP:g} ms for 2 s: under our contact, solved with the step, Drake's hydroelastic one, and
-MuJoCo's on CoACD's convex pieces. Touching pairs: of bodies nearer than {1e3 * TOUCHING:g} mm, on
-average over the run. Lost: outside the bin. Overlap: how deep any is in another at the end. Speed
-and kinetic energy: at the end. A run that takes more than {LIMIT} s of a core with set-up and
-judging is ended.
+steps of {1e3 * STEP:g} ms for 2 s: under our contact, solved with the step, Drake's hydroelastic
+one (which sees their convex hulls), and MuJoCo's on CoACD's convex pieces. Touching pairs: of
+bodies nearer than {1e3 * TOUCHING:g} mm, on average over the run. Lost: outside the bin. Overlap:
+how deep any is in another at the end. Speed and kinetic energy: at the end. A run that takes more
+than {LIMIT} s of a core with set-up and judging is ended.
 
 """
 COLUMNS = (
@@ -62,7 +62,7 @@ class Result:
 
     @property
     def step_time(self) -> float:
-        """[s]"""
+        """Of a simulated step [s]."""
         return STEP / self.outcome.real_time_factor
 
 

@@ -107,11 +107,11 @@ def main() -> None:
     first, last = in_a_sweep(plan)
     beside = (last.others - first.others) / (last.runs - first.runs)
     before_fresh = (FRESH * study.memory_limit - first.memory) * (study.runs - 1)
-    runs_a_process = before_fresh / (last.memory - first.memory)
+    many = before_fresh / (last.memory - first.memory)
     shares = {
         "around the simulation": run / simulation - 1,
         "in other processes": beside * run / simulation,
-        f"of a new process every {runs_a_process:.0f} runs": first.runs / runs_a_process / simulation,
+        f"of a new process every {many:.0f} runs": first.runs / many / simulation,
     }
     print(f"bare simulation: {simulation:.3f} s; over it:")
     for what, share in (*shares.items(), ("all", sum(shares.values()))):

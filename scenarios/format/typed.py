@@ -46,7 +46,7 @@ def _parse(schema: type[Loaded], raw: dict[str, Any], default: Loaded | None = N
     for key, value in raw.items():
         if key.startswith("_"):  # private to the file, as Drake has it
             continue
-        kind = kinds.get(key)
+        kind: Any = kinds.get(key)
         origin, of = get_origin(kind), get_args(kind)
         if origin is dict and isinstance(value, dict):
             values[key] = {}
@@ -68,7 +68,9 @@ def _parse(schema: type[Loaded], raw: dict[str, Any], default: Loaded | None = N
     return replace(default, **values)  # type: ignore[type-var]
 
 
-_hints = lru_cache(maxsize=64)(get_type_hints)
+@lru_cache(maxsize=64)
+def _hints(schema: Any) -> dict[str, Any]:
+    return get_type_hints(schema)
 
 
 def _is_plain(kind: Any, value: Any) -> bool:

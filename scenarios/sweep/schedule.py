@@ -27,7 +27,7 @@ ANSWER = 30.0  # [s] within which a scheduler must answer, and have a worker
 AHEAD = 2  # runs sent out per worker's thread: the next is there when one is done
 DEATHS = 3  # workers that may die on a run before it is given up
 
-# Of what Dask does many times a second beside the runs: 6 % of a core, and less than 1 % with these.
+# Dask looks after itself many times a second: 6 % of a core, and less than 1 % with these.
 _QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
