@@ -6,7 +6,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeAlias, TypeVar, cast, get_args, get_origin, get_type_hints
 
 from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 
@@ -41,7 +41,7 @@ def _parse(schema: type[Loaded], raw: dict[str, Any], default: Loaded | None = N
     Mappings are sorted, as Drake dumps them: their order does not depend on where they were kept.
     """
     default = schema() if default is None else default
-    kinds = _hints(schema)
+    kinds = _hints(cast(Any, schema))
     values: dict[str, Any] = {}
     for key, value in raw.items():
         if key.startswith("_"):  # private to the file, as Drake has it

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import queue
 import signal
 import threading
+import time
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
 ANSWER = 30.0  # [s] within which a scheduler must answer, and have a worker
 AHEAD = 2  # runs sent out per worker's thread: the next is there when one is done
+CENSUS = 2.0  # [s] between two looks at how many workers there are
 DEATHS = 3  # workers that may die on a run before it is given up
 
 # Dask looks after itself many times a second: 6 % of a core, and less than 1 % with these.
@@ -114,9 +117,11 @@ def outcomes(
     finished: queue.SimpleQueue[tuple[PlannedRun, Future]] = queue.SimpleQueue()
     prefix = uuid.uuid4().hex  # two sweeps may share a scheduler
     waiting, at_work = iter(runs), 0
-    more = True
+    more, threads, asked = True, 1, -math.inf
     while not stop.is_set():
-        while more and at_work < AHEAD * max(1, _threads(client)):
+        if time.monotonic() > asked + CENSUS:
+            threads, asked = max(1, _threads(client)), time.monotonic()
+        while more and at_work < AHEAD * threads:
             run = next(waiting, None)
             if more := run is not None:
                 assert run is not None
