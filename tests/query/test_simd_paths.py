@@ -63,6 +63,39 @@ def test_nasty_facets(cases, path):
     _assert_same_bits(A, B, random_pose(rng, A.diagonal / 4), A.diagonal / 4, path)
 
 
+def _near_ties(rng, count=40):
+    """Facets, wide to narrow, over a border of others: where one feature takes over from another.
+
+    As near to the border as rounding or farther, at any distance, any tilt and any shared direction.
+    """
+    shift, gap, tilt = 10.0 ** rng.uniform([[-14], [-7], [-10]], [[-1], [0.5], [0]], (3, count))
+    pairs = rng.uniform(-1, 1, (count, 2, 3, 3))
+    pairs[:, 0, :, 2] = 0
+    width = 10.0 ** rng.uniform(-3, 0, (count, 2, 1))
+    share = rng.uniform(-1, 2, (count, 2, 1))
+    along = share * pairs[:, :, 0] + (1 - share) * pairs[:, :, 1]
+    pairs[:, :, 2] = along + width * (pairs[:, :, 2] - along)  # slivers
+    pairs[:, 1, :, 2] *= tilt[:, None]
+    sides = pairs[::2, 0, 1] - pairs[::2, 0, 0]
+    pairs[::2, 1, 1] = pairs[::2, 1, 0] + sides + tilt[::2, None] * rng.normal(size=sides.shape)
+    weights = rng.choice([0.0, 0.5, 1.0], (count, 1))
+    border = weights * pairs[:, 0, 0] + (1 - weights) * pairs[:, 0, 1]
+    over = border + shift[:, None] * rng.normal(size=(count, 3))
+    over[:, 2] += gap
+    pairs[:, 1] += (over - pairs[:, 1, 0])[:, None]
+    pairs[1::4] = pairs[1::4, ::-1]
+    return pairs
+
+
+@pytest.mark.parametrize("path", PATHS[1:])
+def test_near_ties(path):
+    """A guess of single precision taken for proven where the kernel finds another feature."""
+    rng = np.random.default_rng(2)
+    for _ in range(40):
+        A, B = _soup_of(_near_ties(rng))
+        _assert_same_bits(A, B, np.eye(4), 2 * A.diagonal, path)
+
+
 @pytest.mark.parametrize("path", PATHS[1:])
 def test_whole_meshes(path):
     """Batches of every length, and their fill."""

@@ -55,6 +55,10 @@ inline constexpr double kNearlyParallel = 1e-7;
 inline constexpr double kCertain = 1e-10;
 inline constexpr double kCertainAgain = 4 * kCertain;
 
+// [-] The error of a squared longest edge in single precision; and [m²] the least that has no
+// greater one, as smaller numbers lose digits.
+inline constexpr double kSquaredInSingle = 1e-5, kLeastSquared = 1e-30;
+
 // [-] On well-conditioned features, the sides on which corners and feet lie are certain at this
 // much less: they are errors of a dozen roundings, 1e-14, for kCertain's of distances.
 inline constexpr double kFootError = 1e-4;

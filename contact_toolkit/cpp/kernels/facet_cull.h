@@ -63,6 +63,18 @@ std::uint64_t CullFacets(const FacetBlock& a, const FacetBlock& b, const float (
     Store8(reach_b, 0.5f * (high_of_b - low_of_b) + (stray < 0 ? -stray : stray));
   }
 
+  const auto facets = [](const auto& from) {
+    Triangle<Float8> t;
+    for (int c = 0; c < 3; ++c) {
+      t.corner[c] = {Load8(from[c][0]), Load8(from[c][1]), Load8(from[c][2])};
+    }
+    return t;
+  };
+  const Vec<Float8> centre_a = Middle(facets(a.vertex)), centres_b = Middle(facets(corner));
+  alignas(32) float centre_b[3][8];
+  Store8(centre_b[0], centres_b.x), Store8(centre_b[1], centres_b.y);
+  Store8(centre_b[2], centres_b.z);
+
   std::uint64_t kept = 0;
   for (int j = 0; j < 8; ++j) {
     if ((pairs >> (8 * j) & 0xff) == 0) continue;
@@ -86,17 +98,18 @@ std::uint64_t CullFacets(const FacetBlock& a, const FacetBlock& b, const float (
     }
     std::uint64_t row = Bits(Most(gap_b, gap_a) <= Fill8(limit)) & (pairs >> (8 * j) & 0xff);
     if (row != 0) {
-      Triangle<Float8> ta, tb;
-      for (int c = 0; c < 3; ++c) {
-        ta.corner[c] = {Load8(a.vertex[c][0]), Load8(a.vertex[c][1]), Load8(a.vertex[c][2])};
-        tb.corner[c] = {Fill8(corner[c][0][j]), Fill8(corner[c][1][j]), Fill8(corner[c][2][j])};
-      }
+      const auto fill = [j](const float (&from)[3][8]) {
+        return Vec<Float8>{Fill8(from[0][j]), Fill8(from[1][j]), Fill8(from[2][j])};
+      };
+      const Triangle<Float8> ta = facets(a.vertex);
+      Triangle<Float8> tb{fill(corner[0]), fill(corner[1]), fill(corner[2])};
+      const Vec<Float8> v = centre_a - fill(centre_b);
       if constexpr (swept) {
         const Vec<Float8> half{Fill8(half_way[0]), Fill8(half_way[1]), Fill8(half_way[2])};
         for (Vec<Float8>& c : tb.corner) c = c - half;
-        row &= Bits(MayBeNear(ta, Prism<Float8>{tb, half + half}, Fill8(limit)));
+        row &= Bits(MayBeNear(ta, Prism<Float8>{tb, half + half}, v, Fill8(limit)));
       } else {
-        row &= Bits(MayBeNear(ta, tb, Fill8(limit)));
+        row &= Bits(MayBeNear(ta, tb, v, Fill8(limit)));
       }
     }
     kept |= row << (8 * j);

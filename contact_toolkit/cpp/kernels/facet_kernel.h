@@ -11,33 +11,22 @@
 // certain without.
 #pragma once
 
+#include <limits>
+
 #include "base/tolerances.h"
 #include "kernels/certainty.h"
 #include "kernels/facet_lanes.h"
+#include "kernels/facet_points.h"
 #include "kernels/kernels.h"
 #include "kernels/lanes.h"
 
 namespace contact_toolkit {
 namespace {
 
-constexpr int kEdgeBase[3] = {0, 1, 0};
-constexpr int kEdgeEnd[3] = {1, 2, 2};
-
-template <class V>
-CT_INLINE V InverseOrZero(V a) {
-  return Select(a > V{}, Fill<V>(1) / a, V{});
-}
-
-// A share of an edge's length, kept on the edge.
-template <class V>
-CT_INLINE V Clamped(V share) {
-  return Most(V{}, Least(Fill<V>(1), share));
-}
-
 // The nearest candidate so far.
 template <class V>
 struct Nearest {
-  V squared_distance = Fill<V>(1e300), s{}, t{}, spot_a{}, spot_b{};
+  V squared_distance = Fill<V>(kUnreached), s{}, t{}, spot_a{}, spot_b{};
 
   CT_INLINE void Offer(V d2, V s_new, V t_new, V spot_a_new, V spot_b_new) {
     const auto better = d2 < squared_distance;
@@ -65,14 +54,6 @@ struct Edges {
 
   CT_INLINE V SquaredLongest() const { return Most(squared[0], Most(squared[1], squared[2])); }
 };
-
-// The spot at a share of an edge's length: one of its ends, if it is there.
-template <class V>
-CT_INLINE V SpotOnEdge(V edge, V share) {
-  const V base = Select(edge == Fill<V>(1), Fill<V>(kOnCorner + 1), Fill<V>(kOnCorner));
-  const V end = Select(edge == V{}, Fill<V>(kOnCorner + 1), Fill<V>(kOnCorner + 2));
-  return Select(share <= V{}, base, Select(share >= Fill<V>(1), end, edge + Fill<V>(kOnEdge)));
-}
 
 // The edges of A against those of B.
 //
@@ -115,11 +96,16 @@ struct EdgePairs {
           s_nn = ab[e][f] * q[e][f] - b.squared[f] * p[e][f];
           skew[e][f] = nn - Fill<V>(kNearlyParallel) * scale;
         }
-        least_skew = Least(skew[e][f], least_skew);
-        s[e][f] = Clamped(s_nn / nn);
+        if constexpr (IsSingle<V>()) {
+          s[e][f] = Clamped(s_nn * Inverse(Most(nn, Fill<V>(kNearlyParallel) * scale)));
+        } else {
+          least_skew = Least(skew[e][f], least_skew);
+          s[e][f] = Clamped(s_nn / nn);
+        }
       }
     }
-    const bool any_parallel = Any(least_skew <= zero);
+    // A guess need not tell parallel ones.
+    const bool any_parallel = !IsSingle<V>() && Any(least_skew <= zero);
     if (any_parallel) {
       // They are as close where one of them starts or ends: A's at its base, or at an end of B's.
       for (int e = 0; e < 3; ++e) {
@@ -170,7 +156,7 @@ struct EdgePairs {
 template <class V, bool careful>
 struct CornersOver {
   V height[3], side[3][3];  // of corner i over the plane; of its foot from edge f, inwards
-  V squared_distance = Fill<V>(1e300);
+  V squared_distance = Fill<V>(kUnreached);
   V u{}, v{}, corner{};  // the nearest foot within the facet, at (1 - u - v, u, v)
 
   // r[i][f]: to corner i from corner f of the facet.
@@ -198,7 +184,7 @@ struct CornersOver {
         d2_i = height[i] * height[i] * inverse;
       }
       const auto within = Least(side[i][0], Least(side[i][1], side[i][2])) > zero;
-      d2_i = Select(within, d2_i, Fill<V>(1e300));
+      d2_i = Select(within, d2_i, Fill<V>(kUnreached));
       const auto better = d2_i < squared_distance;
       squared_distance = Select(better, d2_i, squared_distance);
       u = Select(better, u_i, u);
@@ -229,16 +215,49 @@ struct CornersOver {
   }
 };
 
+// The points where edges of two facets pierce the other one.
+template <class V>
+struct Piercings {
+  V count{};
+  Vec<V> first{}, last{};
+
+  // edges: of a facet P whose corners lie over the other one.
+  template <bool careful>
+  CT_INLINE void Add(const Vec<V> (&P)[3], const Edges<V>& edges,
+                     const CornersOver<V, careful>& over) {
+    CT_UNROLL
+    for (int e = 0; e < 3; ++e) {
+      const int i = kEdgeBase[e], k = kEdgeEnd[e];
+      const auto pierced = over.Pierced(i, k);
+      const V at_i = Absolute(over.height[i]), at_k = Absolute(over.height[k]);
+      const Vec<V> point = P[i] + at_i / (at_i + at_k) * edges.along[e];
+      first = Select(pierced & (count == V{}), point, first);
+      last = Select(pierced, point, last);
+      count = count + Select(pierced, Fill<V>(1), V{});
+    }
+  }
+
+  // Of the segment in which the facets cross; not a number where an edge meets an edge or a corner,
+  // so that there are more than two.
+  CT_INLINE Vec<V> Middle() const {
+    const V half = Select(count > Fill<V>(2), Fill<V>(std::numeric_limits<double>::quiet_NaN()),
+                          Fill<V>(0.5));
+    return half * (first + last);
+  }
+};
+
 template <class V>
 struct Best {
   V s, t, spot_a, spot_b;
   // kNeedsCare where a more careful kernel is to be asked, else 0; from the careful one, where
   // rounding might have made the facets cross.
   V care;
+  Vec<V> middle;  // of the segment in which they cross
 };
 
 template <class V, bool careful>
-CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
+CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3], const Edges<V>& a,
+                                const Edges<V>& b) {
   const V zero{};
   Vec<V> to_a[3][3], to_b[3][3];  // from corners of the other facet
   CT_UNROLL
@@ -246,7 +265,6 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
     CT_UNROLL
     for (int j = 0; j < 3; ++j) to_a[i][j] = A[i] - B[j], to_b[j][i] = B[j] - A[i];
   }
-  const Edges<V> a(A), b(B);
   const EdgePairs<V, careful> edges(a, b, to_a);
   const CornersOver<V, careful> over_b(b, to_a), over_a(a, to_b);
   Nearest<V> best = edges.nearest;
@@ -255,9 +273,11 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
 
   // Not when a facet lies on one side of the other's plane; but a facet without area has only a
   // plane made of rounding, so the careful kernel looks in any case.
+  if constexpr (IsSingle<V>()) return {best.s, best.t, best.spot_a, best.spot_b, zero, Vec<V>{}};
   auto may_cross = zero == zero;
   if constexpr (!careful) may_cross = Most(over_a.OnBothSides(), over_b.OnBothSides()) <= zero;
   auto crossing = zero != zero, needs_care = edges.needs_care;
+  Piercings<V> piercings;
   if (Any(may_cross)) {
     CT_UNROLL
     for (int e = 0; e < 3; ++e) {
@@ -265,6 +285,10 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
       crossing = crossing | over_a.Pierced(i, k) | over_b.Pierced(i, k);
     }
     crossing = crossing & may_cross;  // whatever the other lanes hold
+  }
+  if (Any(crossing)) {
+    piercings.Add(A, a, over_b);
+    piercings.Add(B, b, over_a);
   }
   if constexpr (careful) {
     if (Any(crossing)) {
@@ -282,106 +306,45 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3]) {
   }
   return {best.s, best.t, Select(crossing, Fill<V>(kCrossing), best.spot_a),
           Select(crossing, Fill<V>(kCrossing), best.spot_b),
-          Select(needs_care, Fill<V>(kNeedsCare), zero)};
-}
-
-// A spot of facet P: where its points start from, and which way they go; a corner stays.
-template <class V>
-struct Spot {
-  decltype(V{} < V{}) on_edge, inside;
-  Vec<V> base, along, across;
-
-  CT_INLINE Spot(const Vec<V> (&P)[3], V spot) {
-    const auto at = [&](int where) { return spot == Fill<V>(where); };
-    const auto edge0 = at(kOnEdge), edge1 = at(kOnEdge + 1), edge2 = at(kOnEdge + 2);
-    on_edge = edge0 | edge1 | edge2;
-    inside = at(kInside);
-    base = Select(at(kOnCorner + 2), P[2], Select(at(kOnCorner + 1) | edge1, P[1], P[0]));
-    along = Select(edge0 | inside, P[1], Select(edge1 | edge2, P[2], base)) - base;
-    across = P[2] - P[0];
-  }
-
-  // The point at the share `share` of an edge, or the barycentric coordinates (1 - s - t, s, t).
-  CT_INLINE Vec<V> Point(V share, V s, V t) const {
-    return base + Select(inside, s, share) * along + Select(inside, t, V{}) * across;
-  }
-};
-
-// Solves what lies on corners and edges by those alone.
-template <class V>
-CT_INLINE void Solve(const Spot<V>& a, const Spot<V>& b, Best<V>* best) {
-  const Vec<V> r = a.base - b.base;
-  const V aa = Dot(a.along, a.along), bb = Dot(b.along, b.along), ab = Dot(a.along, b.along);
-  const V p = Dot(r, a.along), q = Dot(r, b.along);
-  const auto both = a.on_edge & b.on_edge, inside = a.inside | b.inside;
-  const V inverse = Fill<V>(1) / Select(both, aa * bb - ab * ab, aa + bb);
-  const V s = Clamped(Select(both, ab * q - bb * p, -p) * inverse);
-  const V t = Clamped(Select(both, aa * q - ab * p, q) * inverse);
-  best->s = Select(inside, best->s, Select(a.on_edge, s, V{}));
-  best->t = Select(inside, best->t, Select(b.on_edge, t, V{}));
+          Select(needs_care, Fill<V>(kNeedsCare), zero), piercings.Middle()};
 }
 
 template <class V, int lanes, Care care>
 void FacetDistancesOf(const double* a, const double* b, const double* X, FacetPairs* pairs) {
-  // Fill the last batch up with copies of the last pair.
-  for (int k = pairs->count; k % lanes != 0; ++k) {
-    pairs->slot_a[k] = pairs->slot_a[pairs->count - 1];
-    pairs->slot_b[k] = pairs->slot_b[pairs->count - 1];
-  }
+  FillUp(lanes, pairs);
   for (int first = 0; first < pairs->count; first += lanes) {
-    Vec<V> A[3], b_B[3], B[3];
-    LoadFacets<V, lanes>(a, pairs->slot_a + first, A);
-    LoadFacets<V, lanes>(b, pairs->slot_b + first, b_B);
-    for (int c = 0; c < 3; ++c) B[c] = Posed(X, b_B[c]);
-    Best<V> best = FacetDistance<V, care != Care::kFast>(A, B);
+    Vec<V> A[3], B[3];
+    LoadPair<V, lanes>(a, b, X, *pairs, first, A, B);
+    Best<V> best = FacetDistance<V, care != Care::kFast>(A, B, Edges<V>(A), Edges<V>(B));
     const Spot<V> on_a(A, best.spot_a), on_b(B, best.spot_b);
-    if constexpr (care == Care::kFast) Solve(on_a, on_b, &best);
-    const Vec<V> a_point = on_a.Point(best.s, best.s, best.t);
-    const Vec<V> b_point = on_b.Point(best.t, best.s, best.t);
+    if constexpr (care == Care::kFast) {
+      const Solution<V, false> solved(on_a, on_b);
+      best.s = Select(solved.inside, best.s, solved.s);
+      best.t = Select(solved.inside, best.t, solved.t);
+    }
+    Vec<V> a_point = on_a.Point(best.s, best.s, best.t);
+    Vec<V> b_point = on_b.Point(best.t, best.s, best.t);
     const Vec<V> apart = a_point - b_point;
     const V distance = SquareRoot(Dot(apart, apart));
-    const V inverse = Fill<V>(1) / distance;
-    V flagged_spot_a = best.spot_a;
+    V needs_care{};
     if constexpr (care == Care::kFast) {
       if (Any(best.care > V{})) {
         const auto certain =
             Certain(A, B, best.spot_a, best.spot_b, best.s, best.t, a_point, b_point, distance);
-        flagged_spot_a = flagged_spot_a + Select(certain, V{}, best.care);
+        needs_care = Select(certain, V{}, best.care);
       }
     } else if constexpr (care == Care::kProven) {
       const auto apart_for_sure = ProvenByPlanes(A, B, b_point, apart, distance);
       const V care_if_apart = Select(apart_for_sure, V{}, Fill<V>(kNeedsCare));
-      flagged_spot_a =
-          flagged_spot_a + Select(best.spot_a == Fill<V>(kCrossing), best.care, care_if_apart);
+      needs_care = Select(best.spot_a == Fill<V>(kCrossing), best.care, care_if_apart);
     }
-    Store(pairs->distance + first, Select(best.spot_a == Fill<V>(kCrossing), V{}, distance));
-    Store(pairs->spot_a + first, flagged_spot_a);
-    Store(pairs->spot_b + first, best.spot_b);
-    Store(pairs->s + first, best.s);
-    Store(pairs->t + first, best.t);
-    Store(pairs->point_a[0] + first, a_point.x);
-    Store(pairs->point_a[1] + first, a_point.y);
-    Store(pairs->point_a[2] + first, a_point.z);
-    Store(pairs->point_b[0] + first, b_point.x);
-    Store(pairs->point_b[1] + first, b_point.y);
-    Store(pairs->point_b[2] + first, b_point.z);
-    Store(pairs->normal[0] + first, inverse * apart.x);
-    Store(pairs->normal[1] + first, inverse * apart.y);
-    Store(pairs->normal[2] + first, inverse * apart.z);
-  }
-}
-
-template <int lanes>
-void FacetDistances(const double* a, const double* b, const double* X_AB, Care care,
-                    FacetPairs* pairs) {
-  using V = typename LanesOf<lanes>::Type;
-  switch (care) {
-    case Care::kFast:
-      return FacetDistancesOf<V, lanes, Care::kFast>(a, b, X_AB, pairs);
-    case Care::kCareful:
-      return FacetDistancesOf<V, lanes, Care::kCareful>(a, b, X_AB, pairs);
-    case Care::kProven:
-      return FacetDistancesOf<V, lanes, Care::kProven>(a, b, X_AB, pairs);
+    const auto crossing = best.spot_b == Fill<V>(kCrossing);
+    if (Any(crossing)) {
+      a_point = Select(crossing, best.middle, a_point);
+      b_point = Select(crossing, best.middle, b_point);
+    }
+    StoreMeasured(first, best.spot_a, best.spot_b, needs_care, best.s, best.t, a_point, b_point,
+                  apart, distance, pairs);
   }
 }
 

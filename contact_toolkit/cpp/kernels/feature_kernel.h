@@ -16,21 +16,6 @@
 namespace contact_toolkit {
 namespace {
 
-// The foot on a facet of the point at r from its corner 0, in barycentric coordinates
-// (1 - u - w, u, w).
-template <class V>
-struct Foot {
-  V u, w, nn;
-
-  CT_INLINE Foot(const Vec<V>& d0, const Vec<V>& d2, const Vec<V>& r, double sign) {
-    const Vec<V> n = Cross(d0, d2);
-    nn = Dot(n, n);
-    const V inverse = InverseOrZero(nn);
-    u = Fill<V>(sign) * Dot(r, Cross(d2, n)) * inverse;
-    w = Fill<V>(sign) * Dot(r, Cross(n, d0)) * inverse;
-  }
-};
-
 // Features of one to three corners: vertices, edges, facets.
 template <class V, int corners_a, int corners_b>
 struct ClosestPoints {
@@ -77,18 +62,20 @@ struct ClosestPoints {
       condition = scale * inverse;
     } else if constexpr (corners_b == 3) {
       const Vec<V> d0 = B[1] - B[0], d2 = B[2] - B[0];
-      const Foot<V> foot(d0, d2, r, 1);
-      b_point = B[0] + foot.u * d0 + foot.w * d2;
-      const V room = Room(foot.u, foot.w);
+      const Foot<V> foot(d0, d2, r);
+      const V inverse = InverseOrZero(foot.nn), u = foot.u * inverse, w = foot.w * inverse;
+      b_point = B[0] + u * d0 + w * d2;
+      const V room = Room(u, w);
       regular = room > zero;
       room_b = room * room * foot.nn;
       scale_b = longest * longest;
       condition = scale_b * scale_b / foot.nn;
     } else if constexpr (corners_a == 3) {
       const Vec<V> d0 = A[1] - A[0], d2 = A[2] - A[0];
-      const Foot<V> foot(d0, d2, r, -1);
-      a_point = A[0] + foot.u * d0 + foot.w * d2;
-      const V room = Room(foot.u, foot.w);
+      const Foot<V> foot(d0, d2, -r);
+      const V inverse = InverseOrZero(foot.nn), u = foot.u * inverse, w = foot.w * inverse;
+      a_point = A[0] + u * d0 + w * d2;
+      const V room = Room(u, w);
       regular = room > zero;
       room_a = room * room * foot.nn;
       scale_a = longest * longest;

@@ -29,13 +29,14 @@ struct CullPoint {
 // Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of
 // the slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
 inline constexpr int kOnCorner = 0;    // + corner
-inline constexpr int kOnEdge = 3;      // + edge; at the share s (on A) or t (on B) of its length
-inline constexpr int kInside = 6;      // at barycentric coordinates (1 - s - t, s, t)
+inline constexpr int kOnEdge = 3;      // + edge
+inline constexpr int kInside = 6;
 inline constexpr int kCrossing = 7;    // both: an edge of one facet pierces the other
 inline constexpr int kNeedsCare = 64;  // added to spot_a: ask a more careful kernel
 
 // How much care the facet kernel takes.
 enum class Care {
+  kGuessed,  // what kFast finds, at less cost; leaves kNeedsCare where that is not proven
   kFast,     // leaves kNeedsCare where it may not be accurate; facets must not be thin
   kCareful,  // for any facets that are not thin
   kProven,   // careful, for thin facets: leaves kNeedsCare where the answer is not proven
@@ -44,20 +45,20 @@ enum class Care {
 // A chunk of facet pairs, structure of arrays: the kernel reads the slots and writes the rest.
 struct FacetPairs {
   static constexpr int kCapacity = 256;
-  static constexpr int kPadded = kCapacity + kBvhWidth;  // the last batch is filled up
+  static constexpr int kPadded = kCapacity + 2 * kBvhWidth;  // the last batch is filled up
   int count = 0;
+  int unguessed = 0;  // chunks to come that are measured without a guess
   std::int32_t slot_a[kPadded], slot_b[kPadded];
   double distance[kPadded];  // [m] between the points below
   double spot_a[kPadded], spot_b[kPadded];
-  double s[kPadded], t[kPadded];
-  double point_a[3][kPadded], point_b[3][kPadded];  // in A; not where facets cross
+  // In A; where facets cross the middle of the segment, or not a number where its ends are unclear.
+  double point_a[3][kPadded], point_b[3][kPadded];
   double normal[3][kPadded];  // from B towards A; unit where the distance is not tiny
 
   // Takes over what was measured for entry i of another chunk.
   void CopyMeasured(int k, const FacetPairs& other, int i) {
     distance[k] = other.distance[i];
     spot_a[k] = other.spot_a[i], spot_b[k] = other.spot_b[i];
-    s[k] = other.s[i], t[k] = other.t[i];
     for (int axis = 0; axis < 3; ++axis) {
       point_a[axis][k] = other.point_a[axis][i];
       point_b[axis][k] = other.point_b[axis][i];

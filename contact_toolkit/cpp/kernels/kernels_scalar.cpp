@@ -1,6 +1,6 @@
 // The kernels for any processor: 1 lane of doubles.
 #include "kernels/box_kernel.h"
-#include "kernels/facet_kernel.h"
+#include "kernels/facet_guess.h"
 #include "kernels/feature_kernel.h"
 #include "kernels/point_kernel.h"
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
 namespace contact_toolkit {
 namespace {
@@ -27,19 +29,21 @@ using Mask8 = std::int32_t __attribute__((vector_size(32)));
 #if defined(__clang__)
 #define CT_UNROLL _Pragma("clang loop unroll(full)")
 #else
-#define CT_UNROLL _Pragma("GCC unroll 4")
+#define CT_UNROLL _Pragma("GCC unroll 6")
 #endif
 
 #if defined(__AVX512F__)
 // One instruction each, which GCC and Clang name differently; 4: rounding as the thread has it.
 #if defined(__clang__)
-#define CT_LEAST512(a, b) __builtin_ia32_minpd512(a, b, 4)
-#define CT_MOST512(a, b) __builtin_ia32_maxpd512(a, b, 4)
+#define CT_LEAST512(t, a, b) __builtin_ia32_min##t##512(a, b, 4)
+#define CT_MOST512(t, a, b) __builtin_ia32_max##t##512(a, b, 4)
 #define CT_ROOT512(a) __builtin_ia32_sqrtpd512(a, 4)
+#define CT_INVERSE512(a) __builtin_ia32_rcp14ps512_mask(a, a, -1)
 #else
-#define CT_LEAST512(a, b) __builtin_ia32_minpd512_mask(a, b, a, -1, 4)
-#define CT_MOST512(a, b) __builtin_ia32_maxpd512_mask(a, b, a, -1, 4)
+#define CT_LEAST512(t, a, b) __builtin_ia32_min##t##512_mask(a, b, a, -1, 4)
+#define CT_MOST512(t, a, b) __builtin_ia32_max##t##512_mask(a, b, a, -1, 4)
 #define CT_ROOT512(a) __builtin_ia32_sqrtpd512_mask(a, a, -1, 4)
+#define CT_INVERSE512(a) __builtin_ia32_rcp14ps512_mask(a, a, -1)
 #endif
 #endif
 
@@ -53,7 +57,8 @@ CT_INLINE V Select(M mask, V a, V b) {
 template <class V>
 CT_INLINE V Least(V a, V b) {
 #if defined(__AVX512F__)
-  if constexpr (sizeof(V) == 64) return CT_LEAST512(a, b);
+  if constexpr (sizeof(V) == 64 && sizeof(a[0]) == 8) return CT_LEAST512(pd, a, b);
+  if constexpr (sizeof(V) == 64 && sizeof(a[0]) == 4) return CT_LEAST512(ps, a, b);
 #endif
 #if defined(__AVX__)
   if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 8) return __builtin_ia32_minpd256(a, b);
@@ -64,7 +69,8 @@ CT_INLINE V Least(V a, V b) {
 template <class V>
 CT_INLINE V Most(V a, V b) {
 #if defined(__AVX512F__)
-  if constexpr (sizeof(V) == 64) return CT_MOST512(a, b);
+  if constexpr (sizeof(V) == 64 && sizeof(a[0]) == 8) return CT_MOST512(pd, a, b);
+  if constexpr (sizeof(V) == 64 && sizeof(a[0]) == 4) return CT_MOST512(ps, a, b);
 #endif
 #if defined(__AVX__)
   if constexpr (sizeof(V) == 32 && sizeof(a[0]) == 8) return __builtin_ia32_maxpd256(a, b);
@@ -115,10 +121,34 @@ CT_INLINE V SquareRoot(V a) {
   for (unsigned k = 0; k < sizeof(V) / sizeof(double); ++k) a[k] = __builtin_sqrt(a[k]);
   return a;
 }
+// Whether V is of floats.
+template <class V>
+constexpr bool IsSingle() {
+  if constexpr (std::is_arithmetic_v<V>) {
+    return false;
+  } else {
+    return sizeof(std::declval<V&>()[0]) == sizeof(float);
+  }
+}
 // All lanes equal to x.
 template <class V>
 CT_INLINE V Fill(double x) {
-  return V{} + x;
+  if constexpr (IsSingle<V>()) {
+    return V{} + static_cast<float>(x);
+  } else {
+    return V{} + x;
+  }
+}
+// 1 / a, to three digits at least, and not the same on all processors; of zero, infinity.
+template <class V>
+CT_INLINE V RoughInverse(V a) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(V) == 64) return CT_INVERSE512(a);
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(V) == 32) return __builtin_ia32_rcpps256(a);
+#endif
+  return Fill<V>(1) / a;
 }
 CT_INLINE Float8 Fill8(float x) { return Float8{} + x; }
 
@@ -140,20 +170,26 @@ CT_INLINE std::uint64_t Bits(Mask8 mask) {
 #endif
 }
 
-// Whether a comparison of doubles holds in any lane.
+// Whether a comparison holds in any lane.
 CT_INLINE bool Any(bool mask) { return mask; }
 CT_INLINE bool Any(int mask) { return mask != 0; }
 template <class M>
 CT_INLINE bool Any(M mask) {
 #if defined(__AVX512DQ__)
-  if constexpr (sizeof(M) == 64) {
+  if constexpr (sizeof(M) == 64 && sizeof(mask[0]) == 8) {
     using Eight = long long __attribute__((vector_size(64)));
     return __builtin_ia32_cvtq2mask512(reinterpret_cast<Eight>(mask)) != 0;
+  }
+  if constexpr (sizeof(M) == 64 && sizeof(mask[0]) == 4) {
+    using Sixteen = int __attribute__((vector_size(64)));
+    return __builtin_ia32_cvtd2mask512(reinterpret_cast<Sixteen>(mask)) != 0;
   }
 #endif
 #if defined(__AVX__)
   using Four = double __attribute__((vector_size(32)));
-  if constexpr (sizeof(M) == 32) {
+  if constexpr (sizeof(M) == 32 && sizeof(mask[0]) == 4) {
+    return __builtin_ia32_movmskps256(reinterpret_cast<Float8>(mask)) != 0;
+  } else if constexpr (sizeof(M) == 32) {
     return __builtin_ia32_movmskpd256(reinterpret_cast<Four>(mask)) != 0;
   }
 #endif
@@ -169,6 +205,10 @@ struct Vec {
 template <class V>
 CT_INLINE Vec<V> operator-(const Vec<V>& a, const Vec<V>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class V>
+CT_INLINE Vec<V> operator-(const Vec<V>& a) {
+  return {-a.x, -a.y, -a.z};
 }
 template <class V>
 CT_INLINE Vec<V> operator+(const Vec<V>& a, const Vec<V>& b) {

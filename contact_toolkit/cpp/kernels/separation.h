@@ -71,12 +71,11 @@ CT_INLINE V Support(const TwoPoses<V>& t, const Vec<V>& v, Vec<V>* corner) {
 // One step culls most of what can be culled; a second costs more than it saves.
 constexpr int kSteps = 1;
 
-// Lanes in which a and b may be closer than `limit`, judged by their supports along the difference
-// of their middles and after some steps of Frank and Wolfe's method from there towards the point of
-// the difference a - b nearest to the origin.
+// Lanes in which a and b may be closer than `limit`, judged by their supports along v, about the
+// difference of their middles, and after some steps of Frank and Wolfe's method from there towards
+// the point of the difference a - b nearest to the origin.
 template <class A, class B, class V>
-CT_INLINE auto MayBeNear(const A& a, const B& b, V limit) {
-  Vec<V> v = Middle(a) - Middle(b);
+CT_INLINE auto MayBeNear(const A& a, const B& b, Vec<V> v, V limit) {
   auto near = V{} == V{};
   for (int step = 0;; ++step) {
     Vec<V> p, q;

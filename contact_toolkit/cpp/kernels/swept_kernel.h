@@ -253,7 +253,7 @@ std::uint64_t SweptFacetCull(const FacetBlock& a, const FacetBlock& b, const Swe
         tb.begin.corner[v] = fill(corner[v]);
         tb.end.corner[v] = fill(corner[3 + v]);
       }
-      row &= Bits(MayBeNear(ta, tb, Fill8(stray[j])));
+      row &= Bits(MayBeNear(ta, tb, Middle(ta) - Middle(tb), Fill8(stray[j])));
     }
     kept |= row << (8 * j);
   }

@@ -58,7 +58,7 @@ CollisionMesh::CollisionMesh(std::span<const Vec3> vertices, std::span<const Tri
   BuildEdges();
   BuildNormals();
   FindDefects();
-  BuildSlotEdges();
+  BuildSlotFeatures();
 }
 
 void CollisionMesh::Weld(std::span<const Vec3> vertices, std::span<const Triple> faces) {
@@ -273,15 +273,17 @@ void CollisionMesh::FindDefects() {
   }
 }
 
-void CollisionMesh::BuildSlotEdges() {
-  slot_edges_.resize(faces_.size());
+void CollisionMesh::BuildSlotFeatures() {
+  slot_features_.resize(faces_.size());
   for (std::size_t slot = 0; slot < faces_.size(); ++slot) {
     const Triple& v = bvh_.slot_vertices[slot];
+    const std::int32_t facet = bvh_.slot_facet[slot];
+    slot_features_[slot] = {v[0], v[1], v[2], 0, 0, 0, facet, facet};
     const Couple ends[3] = {{v[0], v[1]}, {v[1], v[2]}, {v[0], v[2]}};
     for (int e = 0; e < 3; ++e) {
-      for (const std::int32_t edge : face_edges_[bvh_.slot_facet[slot]]) {
+      for (const std::int32_t edge : face_edges_[facet]) {
         const auto& [low, high] = edges_[edge];
-        if (low == ends[e][0] && high == ends[e][1]) slot_edges_[slot][e] = edge;
+        if (low == ends[e][0] && high == ends[e][1]) slot_features_[slot][3 + e] = edge;
       }
     }
   }

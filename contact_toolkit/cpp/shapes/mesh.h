@@ -60,8 +60,10 @@ class CollisionMesh {
   const std::vector<Couple>& edges() const { return edges_; }
   // Entry k of facet f is the edge between its vertices k and (k + 1) % 3.
   const std::vector<Triple>& face_edges() const { return face_edges_; }
-  // The same for the facet of a hierarchy slot, between its sorted vertices: (0,1), (1,2), (0,2).
-  const std::vector<Triple>& slot_edges() const { return slot_edges_; }
+  // What the facet of a hierarchy slot consists of, as the kernels number it: its sorted vertices,
+  // the edges between these, (0,1), (1,2), (0,2), and twice the facet itself.
+  using SlotFeatures = std::array<std::int32_t, 8>;
+  const std::vector<SlotFeatures>& slot_features() const { return slot_features_; }
   // The first two facets of each edge; -1 where there is none.
   const std::vector<Couple>& edge_faces() const { return edge_faces_; }
   // Index into `vertices` of each input vertex.
@@ -94,12 +96,13 @@ class CollisionMesh {
   Vec3 NormalAcross(std::int32_t edge, std::int32_t facet, int most) const;
   Vec3 NormalBeyond(std::int32_t facet, std::int32_t edge, int most) const;
   void FindDefects();
-  void BuildSlotEdges();
+  void BuildSlotFeatures();
 
   std::vector<Vec3> vertices_;
   std::vector<Triple> faces_;
   std::vector<Couple> edges_;
-  std::vector<Triple> face_edges_, slot_edges_;
+  std::vector<Triple> face_edges_;
+  std::vector<SlotFeatures> slot_features_;
   std::vector<Couple> edge_faces_;
   std::vector<std::int32_t> welded_;
   std::vector<Vec3> face_normals_, edge_normals_, vertex_normals_;

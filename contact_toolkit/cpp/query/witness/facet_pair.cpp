@@ -10,36 +10,17 @@
 namespace contact_toolkit {
 namespace {
 
+// Chunks after one whose guesses have failed.
+constexpr int kUnguessed = 8;
+
 constexpr int kBase[3] = {0, 1, 0}, kEnd[3] = {1, 2, 2};
 
-Feature Corner(const CollisionMesh& mesh, int slot, int corner) {
-  return {FeatureKind::kVertex, mesh.bvh().slot_vertices[slot][corner]};
-}
-
-Feature OnEdge(const CollisionMesh& mesh, int slot, int edge, double s) {
-  if (s <= kOnFeature) return Corner(mesh, slot, kBase[edge]);
-  if (s >= 1 - kOnFeature) return Corner(mesh, slot, kEnd[edge]);
-  return {FeatureKind::kEdge, mesh.slot_edges()[slot][edge]};
-}
-
-// At barycentric coordinates (1 - u - w, u, w).
-Feature OnFacet(const CollisionMesh& mesh, int slot, double u, double w) {
-  const double weight[3] = {1 - u - w, u, w};
-  for (int k = 0; k < 3; ++k) {
-    if (weight[k] >= 1 - kOnFeature) return Corner(mesh, slot, k);
-  }
-  // Edge 1 is opposite corner 0, edge 2 opposite corner 1, edge 0 opposite corner 2.
-  for (int k = 0; k < 3; ++k) {
-    if (weight[k] <= kOnFeature) return {FeatureKind::kEdge, mesh.slot_edges()[slot][(k + 1) % 3]};
-  }
-  return {FeatureKind::kFacet, mesh.bvh().slot_facet[slot]};
-}
-
-Feature FeatureAt(const CollisionMesh& mesh, int slot, int spot, double along, double s, double t) {
-  if (spot < kOnEdge) return Corner(mesh, slot, spot - kOnCorner);
-  if (spot < kInside) return OnEdge(mesh, slot, spot - kOnEdge, along);
-  if (spot == kInside) return OnFacet(mesh, slot, s, t);
-  return {FeatureKind::kFacet, mesh.bvh().slot_facet[slot]};
+Feature FeatureAt(const CollisionMesh& mesh, int slot, int spot) {
+  constexpr FeatureKind kKinds[] = {FeatureKind::kVertex, FeatureKind::kVertex,
+                                    FeatureKind::kVertex, FeatureKind::kEdge,
+                                    FeatureKind::kEdge,   FeatureKind::kEdge,
+                                    FeatureKind::kFacet,  FeatureKind::kFacet};
+  return {kKinds[spot], mesh.slot_features()[slot][spot]};
 }
 
 template <class T>
@@ -168,14 +149,24 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
   };
   int thin_count = 0;
   for (int k = 0; any_thin && k < chunk->count; ++k) thin_count += thin(k);
+  // Where most guesses fail, as in aligned poses, the next chunks are not guessed at.
+  const bool guess = chunk->unguessed == 0;
+  const auto care = guess ? Care::kGuessed : Care::kFast;
   if (4 * thin_count <
       chunk->count) {  // what is measured in vain costs less than being moved about
-    with(Care::kFast)(chunk);
+    with(care)(chunk);
   } else {
-    measure([&](int k) { return !thin(k); }, with(Care::kFast));
+    measure([&](int k) { return !thin(k); }, with(care));
   }
   if (thin_count < chunk->count) {
-    measure([&](int k) { return !thin(k) && doubtful(k); }, with(Care::kCareful));
+    const auto again = [&](int k) { return !thin(k) && doubtful(k); };
+    if (guess) {
+      measure(again, with(Care::kFast));
+      if (3 * some.count > chunk->count - thin_count) chunk->unguessed = kUnguessed;
+    } else {
+      --chunk->unguessed;
+    }
+    measure(again, with(Care::kCareful));
   }
   if (thin_count == 0) return;
   measure(thin, with(Care::kProven));
@@ -184,15 +175,15 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
 }
 
 FeaturePair FeaturesOf(const PosedPair& pair, const FacetPairs& chunk, int k) {
-  const double s = chunk.s[k], t = chunk.t[k];
-  return {FeatureAt(pair.A, chunk.slot_a[k], static_cast<int>(chunk.spot_a[k]), s, s, t),
-          FeatureAt(pair.B, chunk.slot_b[k], static_cast<int>(chunk.spot_b[k]), t, s, t)};
+  return {FeatureAt(pair.A, chunk.slot_a[k], static_cast<int>(chunk.spot_a[k])),
+          FeatureAt(pair.B, chunk.slot_b[k], static_cast<int>(chunk.spot_b[k]))};
 }
 
 void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness* witness) {
   const Bvh &A = pair.A.bvh(), &B = pair.B.bvh();
   const int a = chunk.slot_a[k], b = chunk.slot_b[k];
-  if (chunk.spot_a[k] == kCrossing) {
+  const bool thin = A.slot_thin[a] || B.slot_thin[b];
+  if (chunk.spot_a[k] == kCrossing && (thin || std::isnan(witness->p_ACa.x))) {
     Vec3 corners_a[3], corners_b[3];
     for (int c = 0; c < 3; ++c) {
       corners_a[c] = pair.A.vertices()[A.slot_vertices[a][c]];
@@ -200,7 +191,6 @@ void MendTouching(const PosedPair& pair, const FacetPairs& chunk, int k, Witness
     }
     // On needles with eleven bits more than double, as the point would otherwise stray from the
     // facets; in double, as the kernel did, elsewhere and where rounding alone made them cross.
-    const bool thin = A.slot_thin[a] || B.slot_thin[b];
     if (!thin || !MiddleOfCrossing<long double>(pair, corners_a, corners_b, &witness->p_ACa)) {
       MiddleOfCrossing<double>(pair, corners_a, corners_b, &witness->p_ACa);
     }
