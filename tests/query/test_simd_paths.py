@@ -66,7 +66,7 @@ def test_nasty_facets(cases, path):
 def _near_ties(rng, count=40):
     """Facets, wide to narrow, over a border of others: where one feature takes over from another.
 
-    As near to the border as rounding or farther, at any distance, any tilt and any shared direction.
+    As near to it as rounding or farther, at any distance, any tilt and any shared direction.
     """
     shift, gap, tilt = 10.0 ** rng.uniform([[-14], [-7], [-10]], [[-1], [0.5], [0]], (3, count))
     pairs = rng.uniform(-1, 1, (count, 2, 3, 3))

@@ -123,11 +123,9 @@ CT_INLINE void StoreGuess(const Vec<V> (&A)[3], const Vec<V> (&B)[3], const Gues
   const Vec<V> b_point = b.Point(solved.t, solved.s, solved.t);
   const Vec<V> apart = a_point - b_point;
   const V squared = Dot(apart, apart);
-  const V height =
-      Least(LeastHeight(A, guess.spot_a, apart), LeastHeight(B, guess.spot_b, -apart));
-  const auto certain =
-      AsTheKernelHasThem(a, b, solved, height, squared, guess.squared_longest) &
-      (guess.squared_longest > Fill<V>(kLeastSquared));
+  const V height = Least(LeastHeight(A, guess.spot_a, apart), LeastHeight(B, guess.spot_b, -apart));
+  const auto certain = AsTheKernelHasThem(a, b, solved, height, squared, guess.squared_longest) &
+                       (guess.squared_longest > Fill<V>(kLeastSquared));
   StoreMeasured(first, guess.spot_a, guess.spot_b, Select(certain, V{}, Fill<V>(kNeedsCare)),
                 solved.s, solved.t, a_point, b_point, apart, SquareRoot(squared), pairs);
 }

@@ -240,8 +240,8 @@ struct Piercings {
   // Of the segment in which the facets cross; not a number where an edge meets an edge or a corner,
   // so that there are more than two.
   CT_INLINE Vec<V> Middle() const {
-    const V half = Select(count > Fill<V>(2), Fill<V>(std::numeric_limits<double>::quiet_NaN()),
-                          Fill<V>(0.5));
+    const V half =
+        Select(count > Fill<V>(2), Fill<V>(std::numeric_limits<double>::quiet_NaN()), Fill<V>(0.5));
     return half * (first + last);
   }
 };
@@ -304,9 +304,12 @@ CT_INLINE Best<V> FacetDistance(const Vec<V> (&A)[3], const Vec<V> (&B)[3], cons
   } else {
     needs_care = needs_care & !crossing;
   }
-  return {best.s, best.t, Select(crossing, Fill<V>(kCrossing), best.spot_a),
+  return {best.s,
+          best.t,
+          Select(crossing, Fill<V>(kCrossing), best.spot_a),
           Select(crossing, Fill<V>(kCrossing), best.spot_b),
-          Select(needs_care, Fill<V>(kNeedsCare), zero), piercings.Middle()};
+          Select(needs_care, Fill<V>(kNeedsCare), zero),
+          piercings.Middle()};
 }
 
 template <class V, int lanes, Care care>

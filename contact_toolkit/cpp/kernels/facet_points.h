@@ -113,8 +113,10 @@ struct Solution {
     }
     // Corners stay where they are.
     const V one = Fill<V>(1), inverse = one / Most(nn, Fill<V>(kNoLength));
-    s = Most(V{}, Least(Select(a.spot >= Fill<V>(kOnEdge), one, Select(inside, one, V{})), s * inverse));
-    t = Most(V{}, Least(Select(b.spot >= Fill<V>(kOnEdge), one, Select(inside, one, V{})), t * inverse));
+    s = Most(V{},
+             Least(Select(a.spot >= Fill<V>(kOnEdge), one, Select(inside, one, V{})), s * inverse));
+    t = Most(V{},
+             Least(Select(b.spot >= Fill<V>(kOnEdge), one, Select(inside, one, V{})), t * inverse));
   }
 };
 

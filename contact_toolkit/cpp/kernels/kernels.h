@@ -28,8 +28,8 @@ struct CullPoint {
 
 // Where on a facet a closest point lies. Corners and edges are numbered by the sorted vertices of
 // the slot: edge 0 = (0,1), 1 = (1,2), 2 = (0,2), running from the first to the second.
-inline constexpr int kOnCorner = 0;    // + corner
-inline constexpr int kOnEdge = 3;      // + edge
+inline constexpr int kOnCorner = 0;  // + corner
+inline constexpr int kOnEdge = 3;    // + edge
 inline constexpr int kInside = 6;
 inline constexpr int kCrossing = 7;    // both: an edge of one facet pierces the other
 inline constexpr int kNeedsCare = 64;  // added to spot_a: ask a more careful kernel

@@ -11,15 +11,14 @@ namespace contact_toolkit {
 namespace {
 
 // Chunks after one whose guesses have failed.
-constexpr int kUnguessed = 8;
+constexpr int kUnguessed = 16;
 
 constexpr int kBase[3] = {0, 1, 0}, kEnd[3] = {1, 2, 2};
 
 Feature FeatureAt(const CollisionMesh& mesh, int slot, int spot) {
-  constexpr FeatureKind kKinds[] = {FeatureKind::kVertex, FeatureKind::kVertex,
-                                    FeatureKind::kVertex, FeatureKind::kEdge,
-                                    FeatureKind::kEdge,   FeatureKind::kEdge,
-                                    FeatureKind::kFacet,  FeatureKind::kFacet};
+  constexpr FeatureKind kKinds[] = {
+      FeatureKind::kVertex, FeatureKind::kVertex, FeatureKind::kVertex, FeatureKind::kEdge,
+      FeatureKind::kEdge,   FeatureKind::kEdge,   FeatureKind::kFacet,  FeatureKind::kFacet};
   return {kKinds[spot], mesh.slot_features()[slot][spot]};
 }
 
@@ -162,7 +161,7 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
     const auto again = [&](int k) { return !thin(k) && doubtful(k); };
     if (guess) {
       measure(again, with(Care::kFast));
-      if (3 * some.count > chunk->count - thin_count) chunk->unguessed = kUnguessed;
+      if (6 * some.count > chunk->count - thin_count) chunk->unguessed = kUnguessed;
     } else {
       --chunk->unguessed;
     }
