@@ -27,7 +27,7 @@ class _Controllers(NamedTuple):
         Names of their input ports.
     q, v, own, every
         Rows in positions, velocities, the instance's actuators and all actuators.
-    count
+    actuators
         Actuators of the instance.
     p, d, effort
         Gains and limits.
@@ -39,7 +39,7 @@ class _Controllers(NamedTuple):
     v: Integers
     own: Integers
     every: Integers
-    count: int
+    actuators: int
     p: Floats
     d: Floats
     effort: Floats
@@ -139,5 +139,5 @@ def _unsaturated(
             fed = fed + value[rows]
     v = velocities[:, own.v]
     behind = desired[own.own] - q[own.q] - step * v
-    effort = fed + own.p * behind + own.d * (desired[own.count + own.own] - v)
+    effort = fed + own.p * behind + own.d * (desired[own.actuators + own.own] - v)
     return bool((np.abs(effort) < _CLOSE * own.effort).all())

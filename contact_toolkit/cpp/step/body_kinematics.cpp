@@ -90,21 +90,24 @@ void BodyKinematics::Differentiate(int body, std::span<const double> v,
   const bool floats = tree.q_start >= 0;
   const std::size_t nv = topology_.num_velocities;
   const double* J = floats ? nullptr : problem_.jacobian.data() + 6 * nv * body + tree.v_start;
-  changes->resize(tree.nv);
+  changes->clear();
   // Half of the rotation, and what a change of it turns by.
   Vec3 a;
   if (floats) a = 0.5 * h * VectorAt(v, tree.v_start);
   for (int k = 0; k < tree.nv; ++k) {
-    Change& change = (*changes)[k];
-    change = {};
+    Change change;
+    change.dof = k;
     if (floats) {
       (k < 3 ? change.spin : change.speed)[k % 3] = 1;
+      changes->push_back(change);
       continue;
     }
     for (int i = 0; i < 3; ++i) {
       change.spin[i] = J[i * nv + k];
       change.speed[i] = J[(3 + i) * nv + k];
     }
+    if (SquaredNorm(change.spin) == 0 && SquaredNorm(change.speed) == 0) continue;
+    changes->push_back(change);
     a += (0.5 * h * (v[tree.v_start + k] - problem_.v_reference[tree.v_start + k])) * change.spin;
   }
   for (Change& change : *changes) {

@@ -20,9 +20,10 @@ class BodyKinematics {
   // velocities are taken, else the body itself. Its origin, from the body's pose.
   Vec3 OriginOf(int body, const Pose& X_FB) const;
 
-  // How pose and velocity of that change, at the end of a step at v, with each velocity of the
-  // tree.
+  // How pose and velocity of that change, at the end of a step at v, with each velocity of the tree
+  // that moves it.
   struct Change {
+    int dof = 0;       // of the tree
     Vec3 turn, way;    // displacement
     Vec3 spin, speed;  // angular velocity, velocity of the origin
   };

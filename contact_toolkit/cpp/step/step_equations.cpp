@@ -355,18 +355,16 @@ void StepEquations::AddPair(const StepWork& work, std::span<const double> v, Sym
   const Slope wrench{R * work.total.torque, R * work.total.force};
   const PairDerivative derivative(linear, R, wrench, bodies[0], bodies[1], symmetry);
   for (int t = 0; t < 2; ++t) {
-    const std::size_t columns = changes[t].size();
-    for (std::size_t column = 0; column < columns; ++column) {
-      const BodyKinematics::Change& change = changes[t][column];
+    for (const BodyKinematics::Change& change : changes[t]) {
       const auto moved = t == 0 ? derivative.ByA(change) : derivative.ByB(change);
       for (int s = 0; s < 2; ++s) {
         if (trees[s] < 0) continue;
         const Slope& on = s == 0 ? moved.on_a : moved.on_b;
-        double* block = matrix->Block(trees_[trees[s]].block, trees_[trees[t]].block);
-        for (std::size_t row = 0; row < changes[s].size(); ++row) {
-          const BodyKinematics::Change& with = changes[s][row];
+        const int columns = topology_.trees[trees[t]].nv;
+        double* column = matrix->Block(trees_[trees[s]].block, trees_[trees[t]].block) + change.dof;
+        for (const BodyKinematics::Change& with : changes[s]) {
           const double f = Dot(with.spin, on.rotation) + Dot(with.speed, on.translation);
-          block[row * columns + column] -= share * problem_.step * f;
+          column[with.dof * columns] -= share * problem_.step * f;
         }
       }
     }

@@ -78,8 +78,8 @@ class StepSolver::Search {
   }
 
   // Each starts from the reference where it was in contact in the last step, else from the
-  // velocities without contact. What hardly moved starts from a stand: the springs of a body at rest are so
-  // stiff that to go on for a step at the speed that it came to rest with overshoots.
+  // velocities without contact. What hardly moved starts from a stand: the springs of a body at
+  // rest are so stiff that to go on for a step at the speed that it came to rest with overshoots.
   void Start(bool first) {
     islands_.clear();
     for (StepIsland& joined : equations_.MakeIslands()) {
