@@ -166,42 +166,51 @@ def compare(
     engine: Annotated[
         list[str] | None, typer.Option(help="only this engine, as 'ours, implicit'; repeatable")
     ] = None,
+    time_out: Annotated[
+        float, typer.Option(min=1.0, help="time an engine may take [s]")
+    ] = 600.0,
     overrides: Overrides = None,
 ) -> None:
     """Run a scenario under ours, Drake's and (if installed) MuJoCo's contact, side by side."""
-    from scenarios.compare.compare import (
-        absent_engines,
-        comparison_markdown,
-        comparison_table,
-        engines,
-    )
     from scenarios.compare.compare import compare as compare_engines
+    from scenarios.compare.document import check_document, write_into
+    from scenarios.compare.engines import absent_engines, engines
+    from scenarios.compare.tables import comparison_table
     from scenarios.format.loading import load
-    from scenarios.report.report import between_marks
 
     with _mistakes_without_traceback():
         name, scenario = load(name_or_file, overrides or ())
         if table is not None:
-            between_marks(table, name)
+            check_document(table, name)
         for wanted in engine or ():
             if wanted not in engines():
                 there = "; ".join([*engines(), *absent_engines()])
                 raise ScenarioError(f"no engine is called '{wanted}' here; there are: {there}")
         folder = out or Path("runs") / f"{name}-compared"
-        with console.status(name) as status, _mistakes_in(name_or_file):
-            outcomes, kept = compare_engines(
-                name,
-                scenario,
-                folder,
-                replace=force,
-                only=engine or (),
-                begin=lambda engine: status.update(f"{name}: {engine}"),
-            )
+        running = ""
+
+        def begin(engine: str) -> None:
+            nonlocal running
+            running = f"while {engine} was running"
+            status.update(f"{name}: {engine}")
+
+        try:
+            with console.status(name) as status, _mistakes_in(name_or_file):
+                outcomes, kept = compare_engines(
+                    name,
+                    scenario,
+                    folder,
+                    replace=force,
+                    only=engine or (),
+                    time_out=time_out,
+                    begin=begin,
+                )
+        except KeyboardInterrupt:
+            _complain(f"{name}: interrupted {running or 'during set-up'}; nothing was kept")
+            raise typer.Exit(130) from None
         console.print(comparison_table(name, scenario, outcomes))
         if table is not None:
-            before, _, after = between_marks(table, name)
-            results = comparison_markdown(scenario, outcomes)
-            table.write_text(before + results + after, encoding="utf-8")
+            write_into(table, name, scenario, outcomes, kept)
         for missing, why in scenario.cannot.items():
             console.print(Text(f"{missing}: {why}"), soft_wrap=True)
         for told in absent_engines():

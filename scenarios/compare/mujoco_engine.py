@@ -48,6 +48,8 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
     moving = [name for name in called if model.body(name).dofnum[0] or _is_jointed(name, scenario)]
     every = max(1, round(scenario.record_period / model.opt.timestep))
     steps = round(scenario.simulation_duration / model.opt.timestep)
+    mujoco.set_mju_user_warning(lambda _: None)  # else it writes a file where one stands
+    blown_up = [getattr(mujoco.mjtWarning, f"mjWARN_BADQ{what}") for what in ("POS", "VEL", "ACC")]
     rows: list[tuple[float, list[Floats], list[Floats], float]] = []
     wall = 0.0
     for step in range(steps + 1):
@@ -59,6 +61,8 @@ def mujoco_engine(scenario: Scenario) -> Outcome:
             data.qfrc_applied[dof] = course.effort(data.time, data.qpos[position], data.qvel[dof])
         mujoco.mj_step(model, data)
         wall += time.perf_counter() - started
+        if any(data.warning[warning].number for warning in blown_up):
+            raise RuntimeError(f"blew up after {step * model.opt.timestep:g} s")
     outcome.wall_time = wall
     times = np.array([row[0] for row in rows])
     poses = {called[name]: np.stack([row[1][i] for row in rows]) for i, name in enumerate(moving)}

@@ -15,6 +15,7 @@ from scenarios.format.scenario import Scenario
 from scenarios.judge.acceptance import Check, judge
 from scenarios.judge.expressions import columns_in, evaluate
 from scenarios.judge.heap import Heap
+from scenarios.judge.measures import moved, rest
 from scenarios.simulation.record import Record, motion_units
 
 Floats = NDArray[np.float64]
@@ -66,8 +67,13 @@ class Outcome:
         assert self.record is not None
         acceptance = scenario.acceptance
         at_end, moving = self._at_end(scenario)
-        if acceptance.measure == "heap":
-            self.figures |= at_end.figures(moving, self.record, acceptance.window)
+        match acceptance.measure:
+            case "heap":
+                self.figures |= at_end.figures(moving, self.record, acceptance.window)
+            case "bodies":
+                self.figures |= moved(self.record, acceptance.window)
+            case "stack":
+                self.figures |= rest(self.record, acceptance.body, acceptance.window)
         self.penetration = at_end.deepest_overlap
         for name, expression in acceptance.figures.items():
             if all(column in self.record.columns for column in columns_in(expression)):

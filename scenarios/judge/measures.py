@@ -77,21 +77,29 @@ def stack(run: Run) -> Figures:
     weight, from a brute-force web at the final tilt, yaw and offset.
     """
     last = run.record.last(run.scenario.acceptance.window)
-    z, spin = run[".z"][last], run[".wz"][last]
+    z = run[".z"][last]
     springs, facet_pairs = run["springs"][-1], run["facet_pairs"][-1]
     expected = _height_at_rest(run)
-    return {
-        "height [mm]": 1e3 * z.mean(),
+    return rest(run.record, run.body, run.scenario.acceptance.window) | {
         "expected height [mm]": 1e3 * expected,
         "height error [mm]": 1e3 * (z.mean() - expected),
-        "jitter [mm rms]": 1e3 * z.std(),
         "g-force": float(run[".g_force"][last].mean()),
-        "spin [rad/s]": float(np.abs(spin).max()),
-        "tilt [deg]": float(np.rad2deg(run[".tilt"][last].max())),
-        "bounces": count_bounces(run[".z"], BOUNCE),
         "springs": springs,
         "facet pairs": facet_pairs,
         "merged duplicates": facet_pairs - springs,
+    }
+
+
+def rest(record: Record, body: str, window: float) -> Figures:
+    """Figures of a body come to rest that its motion alone tells."""
+    last = record.last(window)
+    z = record[f"{body}.z"]
+    return {
+        "height [mm]": float(1e3 * z[last].mean()),
+        "jitter [mm rms]": float(1e3 * z[last].std()),
+        "spin [rad/s]": float(np.abs(record[f"{body}.wz"][last]).max()),
+        "tilt [deg]": float(np.rad2deg(record[f"{body}.tilt"][last].max())),
+        "bounces": count_bounces(z, BOUNCE),
     }
 
 
@@ -143,16 +151,24 @@ def bouncing(run: Run) -> Figures:
 
 def bodies(run: Run) -> Figures:
     """How far all moving bodies have gone since the start, and what they do at the end."""
-    names = [name.removesuffix(".z") for name in run.record.columns if name.endswith(".z")]
-    last = run.record.last(run.scenario.acceptance.window)
+    return moved(run.record, run.scenario.acceptance.window) | {
+        "energy not accounted for [%]": _unaccounted(run),
+        "springs": float(run["springs"][-1]),
+    }
+
+
+def moved(record: Record, window: float) -> Figures:
+    """Figures of `bodies` that their motion alone tells."""
+    names = [name.removesuffix(".z") for name in record.columns if name.endswith(".z")]
+    last = record.last(window)
     moves, turns, speeds, heights = [], [], [], []
     for name in names:
         p, v = (
-            np.stack([run[f"{name}.{c}"] for c in columns])
+            np.stack([record[f"{name}.{c}"] for c in columns])
             for columns in ("xyz", ("vx", "vy", "vz"))
         )
         moves.append(np.linalg.norm(p[:, -1] - p[:, 0]))
-        turn = [run[f"{name}.{angle}"] for angle in ("tilt", "yaw")]
+        turn = [record[f"{name}.{angle}"] for angle in ("tilt", "yaw")]
         turns.append(max(abs(angle[-1] - angle[0]) for angle in turn))
         speeds.append(np.linalg.norm(v[:, last], axis=0).max())
         heights.append(p[2, -1])
@@ -162,8 +178,6 @@ def bodies(run: Run) -> Figures:
         "largest turn [deg]": float(np.rad2deg(max(turns))),
         "largest speed at the end [m/s]": float(max(speeds)),
         "lowest at the end [m]": float(min(heights)),
-        "energy not accounted for [%]": _unaccounted(run),
-        "springs": float(run["springs"][-1]),
     }
 
 

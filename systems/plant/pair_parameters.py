@@ -12,8 +12,8 @@ from systems.plant.pair_stiffness import Side, foundation_stiffness, nominal_loa
 from systems.plant.pair_web import make_web, web_name
 from systems.plant.proximity_material import ProximityMaterial
 
-USUAL_SETTLING = 1e-3
-"""Settling speed [m/s] of the area web: with the usual α it takes 0.005 from a restitution."""
+_USUAL_LOSS = 0.01  # [-] of a restitution, at most, to what settles
+_SLOWEST_SETTLING, _FASTEST_SETTLING = 1e-3, 0.1  # [m/s]
 
 _GRAVITY = 9.81  # [m/s²]
 _LONGEST_DAMPING = 5e-3  # [s] of small geometries of heavy bodies
@@ -39,7 +39,7 @@ def make_contact_pair(a: Side, b: Side, law: ContactLawConfig) -> ContactPair:
     friction = _friction(a.material, b.material, law.friction)
     if web_name(law) == "area" and n == 1:
         swing = _Swing(a, b, damper.k, area)
-        speed = USUAL_SETTLING if law.settling is None else law.settling
+        speed = _usual_settling(damper.alpha) if law.settling is None else law.settling
         if speed * damper.alpha > 0:
             smallest = swing.smallest(speed, damper.alpha)
             damper = dataclasses.replace(damper, settling=speed, smallest=smallest)
@@ -63,6 +63,16 @@ def overlay(base: ContactLawConfig, exception: ContactLawConfig) -> ContactLawCo
 def _given(settings: object, *names: str) -> dict[str, Any]:
     values = {name: getattr(settings, name) for name in names}
     return {name: value for name, value in values.items() if value is not None}
+
+
+def _usual_settling(alpha: float) -> float:
+    """Return the settling speed [m/s] of the area web.
+
+    What is put down on hard ground rattles at about g over its frequency, where a small α damps too
+    little to stop it: the slower the damping, the faster the motions that must die out.
+    """
+    fastest = _USUAL_LOSS / (1.5 * alpha) if alpha > 0 else math.inf
+    return min(max(fastest, _SLOWEST_SETTLING), _FASTEST_SETTLING)
 
 
 class _Swing:

@@ -3,11 +3,20 @@
 import importlib.util
 import json
 import math
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from scenarios.compare.compare import compare, comparison_markdown, comparison_table, engines
-from scenarios.compare.drake_engines import builtin, friction_of, ours
+from scenarios.compare.apart import run_apart
+from scenarios.compare.compare import compare
+from scenarios.compare.document import write_into
+from scenarios.compare.drake_engines import builtin, friction_of
+from scenarios.compare.engines import engines
+from scenarios.compare.tables import comparison_table
 from scenarios.format.loading import load
 
 SLIDE = """
@@ -93,29 +102,103 @@ def test_every_model_of_a_part_is_a_body_of_its_own(tmp_path, engine):
     assert outcome.figures["parts"] == 2
 
 
-def test_an_engine_that_cannot_is_a_row_and_not_the_end(slide, tmp_path, monkeypatch):
+def test_an_engine_that_cannot_is_a_row_and_not_the_end(slide, tmp_path):
     """One engine's refusal would cost the results of all."""
-
-    def refuse(_):
-        raise RuntimeError("no such shape\nand more")
-
-    table = {"ours, implicit": lambda scenario: ours(scenario, implicit=True), "other": refuse}
-    monkeypatch.setattr("scenarios.compare.compare.engines", lambda: table)
-    outcomes, folder = compare("slide", slide, tmp_path / "out")
-    assert [outcome.verdict for outcome in outcomes] == ["passed", "cannot"]
-    assert outcomes[1].error == "no such shape"
-    assert math.isnan(outcomes[1].real_time_factor)
+    slide.contact.web, slide.contact.standoff = "facet", 0.001  # with an area web's settings
+    wanted = ("ours, implicit", "Drake hydroelastic")
+    outcomes, folder = compare("slide", slide, tmp_path / "out", only=wanted)
+    assert [outcome.verdict for outcome in outcomes] == ["cannot", "passed"]
+    assert outcomes[0].error.startswith("field, resolution: of the area web")
+    assert math.isnan(outcomes[0].real_time_factor)
     saved = json.loads((folder / "comparison.json").read_text())
-    assert [row["engine"] for row in saved["engines"]] == ["ours, implicit", "other"]
-    assert (folder / "comparison.png").stat().st_size > 10_000
-    assert "From left to right: ours, implicit (passed)</p>" in (
+    assert [row["engine"] for row in saved["engines"]] == list(wanted)
+    assert 10_000 < (folder / "comparison.png").stat().st_size < 60_000
+    assert "From left to right: Drake hydroelastic (passed)</p>" in (
         folder / "comparison.html"
     ).read_text(encoding="utf-8")
     assert comparison_table("slide", slide, outcomes).row_count >= 2
-    rows = comparison_markdown(slide, outcomes)
-    assert "| ours, implicit | passed | 2.9" in rows
-    assert "| other | cannot | – | – |" in rows
-    assert "other: no such shape." in rows
+    document = tmp_path / "COMPARE.md"
+    document.write_text("before\n<!-- slide -->\nold\n<!-- /slide -->\nafter\n")
+    slide.cannot = {"MuJoCo": "no such thing"}
+    write_into(document, "slide", slide, outcomes, folder)
+    said = document.read_text()
+    assert said.startswith("before\n<!-- slide -->\nTruth: ")
+    assert said.endswith("\n<!-- /slide -->\nafter\n")
+    assert "| Drake hydroelastic | passed | 2.9" in said
+    assert "| ours, implicit | cannot | – | – |" in said
+    assert "- ours, implicit: " in said
+    assert "- MuJoCo: no such thing" in said
+    assert "](compare/slide.png)" in said
+    assert (tmp_path / "compare" / "slide.png").read_bytes() == (
+        folder / "comparison.png"
+    ).read_bytes()
+
+
+def test_an_engine_that_takes_too_long_or_dies_is_a_row(tmp_path, monkeypatch):
+    """One engine that hangs or crashes would cost the results of all."""
+    saved = tmp_path / "slide.yaml"
+    saved.write_text(SLIDE.replace("simulation_duration: 0.3", "simulation_duration: 600"))
+    outcome = run_apart("ours, implicit", saved, time_out=6.0)
+    assert (outcome.verdict, outcome.error) == ("timed out", "not done in 6 s")
+    crash = tmp_path / "crash"
+    crash.write_text("#!/bin/sh\necho out of luck >&2\nkill -SEGV $$\n")
+    crash.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(crash))
+    outcome = run_apart("ours, implicit", saved, time_out=60.0)
+    assert (outcome.verdict, outcome.error) == ("cannot", "died by SIGSEGV: out of luck")
+
+
+INTERRUPTED = """
+import sys, time
+import scenarios.compare.compare as comparison
+from scenarios.cli import app
+if sys.argv[2] == "set-up":
+    def slow(*_):
+        print("ready", flush=True)
+        time.sleep(60)
+    comparison.dump = slow
+else:
+    import subprocess
+    wait = subprocess.Popen.wait
+    def told(process, timeout=None):
+        if process.poll() is None and timeout is not None and timeout > 100:
+            print("engine", process.pid, "ready", flush=True)
+        return wait(process, timeout)
+    subprocess.Popen.wait = told
+sys.argv = ["contact-toolkit", "compare", sys.argv[1], "--out", sys.argv[3]]
+app()
+"""
+
+
+@pytest.mark.parametrize(
+    ("stage", "said"),
+    [
+        ("set-up", "slide: interrupted during set-up; nothing was kept"),
+        ("engine", "slide: interrupted while ours, implicit was running; nothing was kept"),
+    ],
+)
+def test_ctrl_c_stops_all_engines_and_keeps_nothing(tmp_path, stage, said):
+    """It would go on with the next engine, leave one running, or half of a comparison."""
+    file, out = tmp_path / "slide.yaml", tmp_path / "runs" / "slide"
+    file.write_text(SLIDE.replace("simulation_duration: 0.3", "simulation_duration: 600"))
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, str(file), stage, str(out)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    line = ""
+    while "ready" not in line:
+        line = process.stdout.readline()
+        assert line
+    os.kill(process.pid, signal.SIGINT)
+    rest = process.communicate(timeout=120)[0]
+    assert process.returncode == 130, rest
+    assert said in " ".join(rest.split())
+    assert "Traceback" not in rest
+    assert list(out.parent.iterdir()) == []
+    if stage == "engine":
+        assert not Path(f"/proc/{line.split()[1]}").exists()
 
 
 def test_friction_of_a_pair_survives_a_model_with_friction_of_bodies(slide):
