@@ -166,9 +166,7 @@ def compare(
     engine: Annotated[
         list[str] | None, typer.Option(help="only this engine, as 'ours, implicit'; repeatable")
     ] = None,
-    time_out: Annotated[
-        float, typer.Option(min=1.0, help="time an engine may take [s]")
-    ] = 600.0,
+    time_out: Annotated[float, typer.Option(min=1.0, help="time an engine may take [s]")] = 600.0,
     overrides: Overrides = None,
 ) -> None:
     """Run a scenario under ours, Drake's and (if installed) MuJoCo's contact, side by side."""

@@ -68,9 +68,10 @@ class ContactLawConfig:
     n
         Exponent of the deformation, from 1 (the default) to 1.5 (Hertz).
     settling
-        Area web with n = 1: settling speed [m/s], 1e-3 unless set, 0 for the law as published. The
-        smallest motions at a contact, which that hardly damps, die out at half of the critical
-        damping, and restitution falls by less than 3/2 `alpha` times this; see `NonlinearDamper`.
+        Area web with n = 1: settling speed [m/s], 0 for the law as published. The smallest motions
+        at a contact, which that hardly damps, die out at half of the critical damping, and
+        restitution falls by less than 3/2 `alpha` times this; see `NonlinearDamper`. Unless set,
+        that is 0.01, with a settling speed from 0.001 to 0.1 m/s.
     adhesion
         Whether the force may pull while bodies are torn apart; unless set, as the materials say.
     weighting

@@ -28,7 +28,7 @@ def run_apart(engine: str, scenario_file: Path, time_out: float) -> Outcome:
         command = [sys.executable, "-m", __name__, engine, str(scenario_file), str(answer)]
         with (
             said.open("w") as out,
-            subprocess.Popen(
+            subprocess.Popen(  # noqa: S603  nothing in the command but names of ours
                 command, stdin=subprocess.PIPE, stdout=out, stderr=out, start_new_session=True
             ) as process,
         ):
@@ -39,7 +39,7 @@ def run_apart(engine: str, scenario_file: Path, time_out: float) -> Outcome:
             finally:
                 process.kill()
         if answer.is_file():
-            outcome = pickle.loads(answer.read_bytes())
+            outcome = pickle.loads(answer.read_bytes())  # noqa: S301  of our own process
             assert isinstance(outcome, Outcome)
             return outcome
         code = process.returncode

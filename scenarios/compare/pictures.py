@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from PIL import Image
 from pydrake.geometry import Meshcat, Rgba, TriangleSurfaceMesh
 
 from scenarios.compare.outcome import Outcome
@@ -15,11 +17,14 @@ from scenarios.compare.placements import body_names, placements
 from scenarios.format.models import surface_of
 from scenarios.format.scenario import Scenario
 from scenarios.judge.expressions import columns_in
+from scenarios.judge.verdicts import PASSED
 from scenarios.runner import unwatched_meshcat
 
 Floats = NDArray[np.float64]
 _FRAME_RATE = 32.0  # [1/s]
-_STYLES = ("-", "--", "-.", ":")
+_COLOURS = 64  # lines need no more, and a document keeps its pictures
+_LEAST_REACH = 5.0  # [mm] above and below
+_STYLES = ("-", "--", "-.", ":", (0, (6, 2, 1, 2, 1, 2)))
 _CAPTION = "position: fixed; left: 1em; z-index: 1; font-family: sans-serif"
 
 
@@ -27,7 +32,9 @@ def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], pa
     """Draw height, distance gone and speed of the body looked at, one line an engine."""
     body = _most_telling_body(scenario, outcomes)
     figure = Figure(figsize=(9.5, 3.2), layout="constrained")
-    panels = dict(zip(("height [mm]", "gone [mm]", "speed [m/s]"), figure.subplots(1, 3)))
+    panels = dict(
+        zip(("height [mm]", "gone [mm]", "speed [m/s]"), figure.subplots(1, 3), strict=True)
+    )
     for number, outcome in enumerate(outcomes):
         if outcome.record is None or f"{body}.z" not in outcome.record.columns:
             continue
@@ -36,9 +43,14 @@ def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], pa
         gone = np.linalg.norm(p - p[:, :1], axis=0)
         lines = (1e3 * p[2], 1e3 * gone, np.linalg.norm(v, axis=0))
         for axes, line, least in zip(panels.values(), lines, (-np.inf, 1e-9, 1e-12), strict=True):
-            line = np.where(line > least, line, np.nan)  # what has not moved has no logarithm
-            axes.plot(record["time"], line, _STYLES[number % len(_STYLES)], label=outcome.engine,
-                      color=f"C{number}", linewidth=1.2)  # fmt: skip
+            seen = np.where(line > least, line, np.nan)  # what has not moved has no logarithm
+            axes.plot(record["time"], seen, label=outcome.engine, color=f"C{number}",
+                      linestyle=_STYLES[number % len(_STYLES)], linewidth=1.2)  # fmt: skip
+    if heights := [1e3 * o.record[f"{body}.z"] for o in _right(outcomes) if o.record is not None]:
+        low, high = float(np.min(heights)), float(np.max(heights))
+        reach, axes = max(high - low, _LEAST_REACH), panels["height [mm]"]
+        shown = axes.get_ylim()  # but not of what falls for ever
+        axes.set_ylim(max(low - reach, shown[0]), min(high + reach, shown[1]))
     for label, axes in panels.items():
         axes.set(xlabel="time [s]", ylabel=label, yscale="linear" if "height" in label else "log")
         axes.grid(alpha=0.3)
@@ -46,7 +58,15 @@ def draw_outcomes(name: str, scenario: Scenario, outcomes: Sequence[Outcome], pa
     if handles:
         figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), fontsize=8)
     figure.suptitle(f"{name}: {body}", fontsize=10)
-    figure.savefig(path, dpi=90)
+    drawn = BytesIO()
+    figure.savefig(drawn, dpi=90)
+    Image.open(drawn).convert("RGB").quantize(_COLOURS).save(path, optimize=True)
+
+
+def _right(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Return those that passed, if any: by their motion a picture is framed."""
+    shown = [outcome for outcome in outcomes if outcome.poses]
+    return [outcome for outcome in shown if outcome.verdict == PASSED] or shown
 
 
 def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
@@ -55,7 +75,7 @@ def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     for scenery in ("/Grid", "/Axes"):
         meshcat.SetProperty(scenery, "visible", False)
     shown = [outcome for outcome in outcomes if outcome.poses]
-    tracks = [X[:, :3, 3] for outcome in shown for X in outcome.poses.values()]
+    tracks = [X[:, :3, 3] for outcome in _right(outcomes) for X in outcome.poses.values()]
     if not tracks:
         return str(meshcat.StaticHtml())
     placed = placements(scenario)

@@ -28,7 +28,9 @@ def comparison_table(name: str, scenario: Scenario, outcomes: Sequence[Outcome])
     return table
 
 
-def comparison_rows(scenario: Scenario, outcomes: Sequence[Outcome]) -> tuple[list[str], list[list[str]]]:
+def comparison_rows(
+    scenario: Scenario, outcomes: Sequence[Outcome]
+) -> tuple[list[str], list[list[str]]]:
     """Return the heads of the table's columns and a row an engine."""
     acceptance = scenario.acceptance
     judged = [name for name in acceptance.limits if any(name in o.figures for o in outcomes)]

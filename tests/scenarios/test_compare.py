@@ -9,12 +9,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenarios.compare.apart import run_apart
 from scenarios.compare.compare import compare
 from scenarios.compare.document import write_into
-from scenarios.compare.drake_engines import builtin, friction_of
+from scenarios.compare.drake_engines import builtin, friction_of, ours
 from scenarios.compare.engines import engines
 from scenarios.compare.tables import comparison_table
 from scenarios.format.loading import load
@@ -214,3 +215,23 @@ def test_drakes_own_contact_is_judged_by_the_same_figures(slide):
     """A comparison of different figures is none."""
     outcome = builtin(slide, hydroelastic=False)
     assert [check.figure for check in outcome.checks] == ["deceleration"]
+
+
+def test_figures_that_motion_alone_tells_are_judged_under_every_engine(slide):
+    """A stack would be judged by its creep alone where it is under contact other than ours."""
+    slide.acceptance.measure = "bodies"
+    outcome = ours(slide, implicit=True)
+    way = 0.3 - 0.5 * 0.3 * 9.81 * 0.3**2
+    assert outcome.figures["largest move [mm]"] == pytest.approx(1e3 * way, rel=0.02)
+    slide.acceptance.measure, slide.acceptance.body = "stack", "block"
+    outcome = ours(slide, implicit=True)
+    assert outcome.figures["height [mm]"] == pytest.approx(50.0, abs=1.0)
+    assert outcome.figures["tilt [deg]"] < 1.0
+
+
+def test_mujoco_that_blows_up_says_so(slide):
+    """MuJoCo begins again from the start, and goes on as if nothing had been."""
+    pytest.importorskip("mujoco")
+    slide.initial_velocity["block"]["block"] = np.array([0, 0, 0, 1e11, 0, 0])
+    with pytest.raises(RuntimeError, match="blew up after 0"):
+        engines()["MuJoCo"](slide)

@@ -21,3 +21,15 @@ def test_the_softer_side_lends_its_dissipation(soft_is_first):
     pair = make_contact_pair(*sides, ContactLawConfig())
     # d = E2 / (E1 + E2) d1 + E1 / (E1 + E2) d2
     assert pair.damper.alpha == pytest.approx(2 / 3 * (4 * 3.0 + 1 * 0.6) / 5)
+
+
+@pytest.mark.parametrize(
+    ("alpha", "loss"), [(0.0, 0.0), (0.01, 0.0015), (0.2, 0.01), (3.1, 0.01), (20.0, 0.03)]
+)
+def test_settling_takes_as_much_from_a_restitution_at_any_small_damping(alpha, loss):
+    """With one settling speed for all, what is damped little would rattle on, and walk down."""
+    mesh = CollisionMesh(*primitives.box([0.1, 0.1, 0.1]))
+    whole = WholeBody(diagonal=mesh.diagonal, weight=10.0, load=10.0)
+    a, b = (Side(i, mesh, ProximityMaterial(0.5, 0.5, 3.0, 1e6, 1e5), whole) for i in range(2))
+    damper = make_contact_pair(a, b, ContactLawConfig(alpha=alpha)).damper
+    assert 1.5 * alpha * damper.settling == pytest.approx(loss)
