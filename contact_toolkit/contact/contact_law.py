@@ -48,8 +48,9 @@ class NonlinearDamper:
     settling, smallest
         Settling speed s ≥ 0 and smallest speed w > 0 [m/s]. The law as published (s = 0) damps the
         smallest motions next to nothing, so bodies at rest rock on for minutes. With them δ̇ counts
-        in the damping for δ̇ + s δ̇/(w + abs(δ̇)): 1 + s/w times as much where it is small; the
-        restitution of impacts falls by less than 3/2 α s.
+        in the damping for δ̇ + s δ̇/(w + abs(δ̇)) · s/(s + abs(δ̇)): 1 + s/w times as much where it is
+        small, about as s does up to s, as itself where it is large. The restitution of impacts
+        falls by less than 3/2 α s, and the less the faster they are.
 
     Raises
     ------
@@ -96,7 +97,9 @@ class NonlinearDamper:
         delta = np.maximum(np.asarray(deformation, np.float64), 0.0)
         counted = np.asarray(rate, np.float64)
         if self.settling > 0:
-            counted = counted * (1 + self.settling / (self.smallest + np.abs(counted)))
+            speed = np.abs(counted)
+            share = self.settling / (self.settling + speed)
+            counted = counted * (1 + self.settling * share / (self.smallest + speed))
         force = self.k * delta**self.n * (1 + 1.5 * self.alpha * counted)
         return np.asarray(force if self.adhesion else np.maximum(force, 0.0))
 

@@ -108,7 +108,7 @@ def playback(scenario: Scenario, outcomes: Sequence[Outcome]) -> str:
     meshcat.StopRecording()
     meshcat.PublishRecording()
     centre = np.median(points, axis=0) + np.array([0.0, gap * (len(shown) - 1) / 2, 0.0])
-    away = 0.6 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
+    away = 0.5 * gap * len(shown) + 0.3 * np.ptp(points[:, 2])
     meshcat.SetCameraPose(centre + away * np.array([0.85, -0.1, 0.45]), centre)
     names = "; ".join(f"{outcome.engine} ({outcome.verdict})" for outcome in shown)
     caption = f'<p style="{_CAPTION}">From left to right: {names}</p>'

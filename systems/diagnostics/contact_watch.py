@@ -160,8 +160,9 @@ class ContactWatch:
     def _damping(self, contacts: ContactArrays) -> Floats:
         """Return ∂F/∂δ̇ [N s/m] of each spring, (nc,)."""
         pair, speed = contacts.pair, np.abs(contacts.rate)
-        smallest = self._smallest[pair]
-        counted = 1 + self._settling[pair] * smallest / (smallest + speed) ** 2
+        smallest, settling = self._smallest[pair], self._settling[pair]
+        share = np.divide(settling, settling + speed, out=np.zeros_like(speed), where=settling > 0)
+        counted = 1 + (smallest * settling - speed**2) * (share / (smallest + speed)) ** 2
         return 1.5 * self._alpha[pair] * counted * np.maximum(contacts.normal_force, 0.0)
 
     def _check_stability(self, reported: Reported, forces: Forces, poses: Poses) -> Reported:

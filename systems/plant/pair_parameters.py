@@ -12,7 +12,7 @@ from systems.plant.pair_stiffness import Side, foundation_stiffness, nominal_loa
 from systems.plant.pair_web import make_web, web_name
 from systems.plant.proximity_material import ProximityMaterial
 
-_USUAL_LOSS = 0.01  # [-] of a restitution, at most, to what settles
+_USUAL_LOSS = 0.01  # [-] of the speed of what settles; less of what is faster
 _SLOWEST_SETTLING, _FASTEST_SETTLING = 1e-3, 0.1  # [m/s]
 
 _GRAVITY = 9.81  # [m/s²]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from contact_toolkit import NonlinearDamper
@@ -139,20 +139,20 @@ def test_settling_damps_the_smallest_motions_as_stated():
 
 
 @pytest.mark.parametrize("n", [1.0, 1.5])
-def test_settling_takes_from_an_impact_what_a_constant_rate_would(n):
-    """With w → 0: m v dv = ∓ k δⁿ (1 ± a (v + s)) dδ, both halves in closed form."""
-    alpha, speed, s = 0.4, 1.0, 0.05
+@pytest.mark.parametrize("speed", [0.05, 1.0])
+def test_settling_takes_from_an_impact_what_the_work_of_its_halves_says(n, speed):
+    """With w → 0: m v dv = ∓ k δⁿ (1 ± a (v + s²/(s + v))) dδ, whose halves have equal ∫ k δⁿ dδ."""
+    alpha, s = 0.4, 0.05
     a = 1.5 * alpha
 
     def work(v: float, way: int) -> float:
-        base = 1 + way * a * s
-        return way * v / a - base / a**2 * math.log(1 + way * a * v / base)
+        return quad(lambda u: u / (1 + way * a * (u + s**2 / (s + u))), 0, v, epsabs=1e-14)[0]
 
     e = brentq(lambda e: work(e * speed, -1) - work(speed, 1), 0.1, 1.0, xtol=1e-14)
     damper = NonlinearDamper(k=1e5, alpha=alpha, n=n, settling=s, smallest=1e-6)
-    assert impact(damper, 0.3, speed)[0] == pytest.approx(e, rel=2e-5)
-    bare = NonlinearDamper(k=1e5, alpha=alpha, n=n)
-    assert bare.restitution(speed) - a * s < e < bare.restitution(speed)
+    assert impact(damper, 0.3, speed)[0] == pytest.approx(e, rel=5e-5)
+    loss = NonlinearDamper(k=1e5, alpha=alpha, n=n).restitution(speed) - e
+    assert 0 < loss < a * s * (1.0 if speed <= s else 0.2)  # what is fast keeps the closed form
 
 
 def test_force_is_the_gradient_of_the_energy():

@@ -61,7 +61,7 @@ def test_films_without_ffmpeg_name_their_extra(monkeypatch):
 
 def test_a_comparison_without_mujoco_names_its_extra(monkeypatch):
     found = {"ours, implicit": lambda _: None}
-    monkeypatch.setattr("scenarios.compare.compare.engines", lambda: found)
+    monkeypatch.setattr("scenarios.compare.engines.engines", lambda: found)
     said = CliRunner().invoke(app, ["compare", "incline", "--engine", "MuJoCo"])
     assert said.exit_code != 0
     assert "contact-toolkit[compare]" in said.output

@@ -26,7 +26,7 @@ def test_the_softer_side_lends_its_dissipation(soft_is_first):
 @pytest.mark.parametrize(
     ("alpha", "loss"), [(0.0, 0.0), (0.01, 0.0015), (0.2, 0.01), (3.1, 0.01), (20.0, 0.03)]
 )
-def test_settling_takes_as_much_from_a_restitution_at_any_small_damping(alpha, loss):
+def test_what_settles_loses_as_much_at_any_small_damping(alpha, loss):
     """With one settling speed for all, what is damped little would rattle on, and walk down."""
     mesh = CollisionMesh(*primitives.box([0.1, 0.1, 0.1]))
     whole = WholeBody(diagonal=mesh.diagonal, weight=10.0, load=10.0)

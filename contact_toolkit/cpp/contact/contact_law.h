@@ -3,8 +3,8 @@
 // vibroimpact", J. Appl. Mech. 42(2), 1975.
 //
 // That law damps next to nothing when next to nothing moves. With a settling speed s and a smallest
-// speed w, δ̇ counts for δ̇ + s δ̇/(w + |δ̇|): 1 + s/w times as much where it is small, and for as much
-// as a rate higher by s where it is large.
+// speed w, δ̇ counts for δ̇ + s δ̇/(w + |δ̇|) · s/(s + |δ̇|): 1 + s/w times as much where it is small,
+// about as much as s up to s, and for itself where it is large.
 #pragma once
 
 #include <cmath>
@@ -20,13 +20,15 @@ struct ContactLaw {
   // [-] By how much a force exceeds the elastic one, as a share of that, at a rate of deformation.
   double Damping(double rate) const {
     if (!(settling > 0)) return 1.5 * alpha * rate;
-    return 1.5 * alpha * (rate + settling * rate / (smallest + std::abs(rate)));
+    const double speed = std::abs(rate), share = settling / (settling + speed);
+    return 1.5 * alpha * rate * (1 + settling * share / (smallest + speed));
   }
   // [s/m] Its derivative.
   double DampingSlope(double rate) const {
     if (!(settling > 0)) return 1.5 * alpha;
-    const double sum = smallest + std::abs(rate);
-    return 1.5 * alpha * (1 + settling * smallest / (sum * sum));
+    const double speed = std::abs(rate), share = settling / (settling + speed);
+    const double ratio = share / (smallest + speed);
+    return 1.5 * alpha * (1 + (smallest * settling - speed * speed) * ratio * ratio);
   }
   // elastic [N] ≥ 0; rate [m/s] of deformation, positive when approaching.
   double NormalForce(double elastic, double rate) const {
