@@ -17,17 +17,15 @@ from scenarios.format.scenario import Scenario
 from scenarios.report.provenance import commit, host, now, versions
 from scenarios.run_folder import RunFolder
 
-TIME_OUT = 600.0  # [s] of wall-clock time an engine may take
-
 
 def compare(
     name: str,
     scenario: Scenario,
     folder: Path,
     *,
+    time_out: float,
     replace: bool = False,
     only: Sequence[str] = (),
-    time_out: float = TIME_OUT,
     begin: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[Outcome], Path]:
     """Run it under every engine into `folder`: comparison.json, comparison.png, comparison.html.

@@ -141,7 +141,7 @@ def test_settling_damps_the_smallest_motions_as_stated():
 @pytest.mark.parametrize("n", [1.0, 1.5])
 @pytest.mark.parametrize("speed", [0.05, 1.0])
 def test_settling_takes_from_an_impact_what_the_work_of_its_halves_says(n, speed):
-    """With w → 0: m v dv = ∓ k δⁿ (1 ± a (v + s²/(s + v))) dδ, whose halves have equal ∫ k δⁿ dδ."""
+    """With w → 0: m v dv = ∓ k δⁿ (1 ± a (v + s²/(s + v))) dδ, of equal ∫ k δⁿ dδ in and out."""
     alpha, s = 0.4, 0.05
     a = 1.5 * alpha
 

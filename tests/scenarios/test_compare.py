@@ -107,7 +107,7 @@ def test_an_engine_that_cannot_is_a_row_and_not_the_end(slide, tmp_path):
     """One engine's refusal would cost the results of all."""
     slide.contact.web, slide.contact.standoff = "facet", 0.001  # with an area web's settings
     wanted = ("ours, implicit", "Drake hydroelastic")
-    outcomes, folder = compare("slide", slide, tmp_path / "out", only=wanted)
+    outcomes, folder = compare("slide", slide, tmp_path / "out", time_out=300.0, only=wanted)
     assert [outcome.verdict for outcome in outcomes] == ["cannot", "passed"]
     assert outcomes[0].error.startswith("field, resolution: of the area web")
     assert math.isnan(outcomes[0].real_time_factor)
