@@ -38,6 +38,7 @@ def run_apart(engine: str, scenario_file: Path, time_out: float) -> Outcome:
                 return Outcome(engine, verdict=TIMED_OUT, error=f"not done in {time_out:g} s")
             finally:
                 process.kill()
+                process.wait()
         if answer.is_file():
             outcome = pickle.loads(answer.read_bytes())  # noqa: S301  of our own process
             assert isinstance(outcome, Outcome)
