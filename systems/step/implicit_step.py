@@ -210,6 +210,7 @@ class ImplicitStep:
             X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
             twin.kinematics_after(self._step, v_next, self._links, X_WB, jacobian)
         mismatch, before = 0.0, np.inf
+        best = np.inf, None, v, v
         for round_ in range(1, _ROUNDS + 1):
             solution, aimed, forces = self._solve(
                 state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next
@@ -228,13 +229,19 @@ class ImplicitStep:
             known = stiffening is not None or not (self._constrained and bears)
             seen = bears or self._free is not None
             trusted = agreed and known and far and seen and not self._twin.touching
-            if (agreed and known) or mismatch > before / 2 or round_ == _ROUNDS:
+            if (agreed and known) or (self._floats and mismatch > before / 2):
                 break
-            before = mismatch
-            if not self._floats:
-                inertia = self._response(twin, outer + forces, reached, own)
+            if mismatch < best[0]:
+                best = mismatch, solution, aimed, forces
+            if round_ == _ROUNDS:
+                mismatch, solution, aimed, forces = best
+            elif not self._floats:
+                found = self._response(twin, outer + forces, reached, own)
+                # A limit that is reached by turns is reached in part.
+                inertia = self._between(inertia, found) if mismatch > before / 2 else found
                 stiffening = inertia - own
                 v_plain = self._without(forces, reached, inertia, v_plain)
+            before = mismatch
         return SolvedStep(
             solution, aimed, aimed - v, forces, mismatch, allowed, round_, stiffening, trusted
         )
@@ -355,6 +362,13 @@ class ImplicitStep:
         reached, forces = np.empty_like(v), np.empty_like(v)
         reached[order], forces[order] = solution.v, solution.generalized_forces
         return solution, reached, forces
+
+    def _between(self, one: Floats, other: Floats) -> Floats:
+        """Return the A that answers forces by the mean of what these two do."""
+        between = other.copy()
+        answers = np.linalg.inv(one[self._block]) + np.linalg.inv(other[self._block])
+        between[self._block] = 2 * np.linalg.inv(answers)
+        return between
 
     def _response(
         self, twin: TwinAtState, forces: Floats, reached: Floats, inertia: Floats
