@@ -16,7 +16,8 @@ from scenarios.judge.acceptance import Check, judge
 from scenarios.judge.expressions import columns_in, evaluate
 from scenarios.judge.heap import Heap
 from scenarios.judge.measures import moved, rest
-from scenarios.simulation.record import Record, motion_units
+from scenarios.simulation.columns import motion_units
+from scenarios.simulation.record import Record
 
 Floats = NDArray[np.float64]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from contact_toolkit import MATERIALS
@@ -36,6 +37,7 @@ CHOICES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 """Allowed words by place; `*` stands for any name or list index."""
 
 
+@lru_cache(maxsize=1024)
 def choices_at(place: str) -> tuple[str, ...]:
     """Return the words allowed at a place such as `joints.lift.kind`, none if any will do."""
     steps = place.split(".")

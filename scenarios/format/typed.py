@@ -55,10 +55,8 @@ def _parse(schema: type[Loaded], raw: dict[str, Any], default: Loaded | None = N
                     values[key][name] = _parse(of[1], entry)
                 else:
                     values[key] |= _entry(schema, key, {name: entry})
-        elif kind is float and _is_number(value):
-            values[key] = float(value)
-        elif kind == list[float] and isinstance(value, list) and all(map(_is_number, value)):
-            values[key] = list(map(float, value))
+        elif (numbers := _numbers(kind, value)) is not None:
+            values[key] = numbers
         elif origin is list and isinstance(value, list):
             values[key] = [_entry(schema, key, [entry])[0] for entry in value]
         elif _is_plain(kind, value):
@@ -78,8 +76,16 @@ def _is_plain(kind: Any, value: Any) -> bool:
     return is_dataclass(kind) and isinstance(value, dict) and "_tag" not in value
 
 
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float)
+def _numbers(kind: Any, value: Any) -> Any:
+    """Return numbers, or lists of such, as the loader would; None for what is left to it."""
+    if kind in (float, float | None) and type(value) in (int, float):
+        return float(value)
+    if kind is int and type(value) is int:
+        return value
+    if get_origin(kind) is list and isinstance(value, list):
+        entries = [_numbers(*get_args(kind), entry) for entry in value]
+        return None if None in entries else entries
+    return None
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -61,6 +62,13 @@ def figure_names(acceptance: Acceptance) -> tuple[str, ...]:
     """Return the names of the figures that a run will be measured by."""
     measured = MEASURES[acceptance.measure].figures if acceptance.measure else ()
     return (*measured, *acceptance.figures)
+
+
+def columns_read(acceptance: Acceptance) -> frozenset[str] | None:
+    """Return the columns of a record that its figures read; None where a measure says which."""
+    if acceptance.measure:
+        return None
+    return frozenset(itertools.chain.from_iterable(map(columns_in, acceptance.figures.values())))
 
 
 def _instead(name: str, known: Mapping[str, object] | tuple[str, ...] | list[str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +30,7 @@ from scenarios.format.errors import ScenarioError
 from scenarios.format.models import PACKAGE, write_models
 from scenarios.format.packages import package_folder
 from scenarios.format.scenario import Scenario
+from scenarios.simulation.columns import logs_behind
 from scenarios.simulation.contact_counts import ContactCounts
 from scenarios.simulation.drawings import add_drawings
 from scenarios.simulation.drives import JointDrives
@@ -48,6 +49,8 @@ class Assembly:
     plant: MultibodyPlant
     contact: NonlinearDamperContact
     logs: Mapping[str, VectorLogSink]
+    columns: Collection[str] | None = None
+    """Those that are to be recorded, None for all; see `scenarios.simulation.columns`."""
 
     def simulator(self, scenario: Scenario) -> Simulator:
         """Return a simulator at the scenario's initial state."""
@@ -99,11 +102,16 @@ def _finite(where: str, values: ArrayLike, count: int, what: str) -> NDArray[np.
 
 
 def assemble(
-    scenario: Scenario, folder: Path, meshcat: Meshcat | None = None, *, live: bool = False
+    scenario: Scenario,
+    folder: Path,
+    meshcat: Meshcat | None = None,
+    *,
+    live: bool = False,
+    columns: Collection[str] | None = None,
 ) -> Assembly:
     """Build the diagram; generated models go to `folder`, drawings to `meshcat`.
 
-    `live` is for watching, not for a recording.
+    `live` is for watching, not for a recording; `columns` are those to record, None for all.
 
     Raises ScenarioError for models or contact settings that cannot be.
     """
@@ -124,23 +132,26 @@ def assemble(
             contact,
             when_passed=cast(Literal["raise", "warn", "count"], scenario.swept_monitor),
         )
-    counts = builder.AddNamedSystem("contact_counts", ContactCounts())
-    builder.Connect(contact.get_contacts_output_port(), counts.get_input_port())
+    needed = logs_behind(columns)
     ports = {
         "state": plant.get_state_output_port(),
         "wrenches": contact.get_body_wrenches_output_port(),
         "energies": contact.get_energies_output_port(),
-        "counts": counts.get_output_port(),
     }
+    if "counts" in needed:
+        counts = builder.AddNamedSystem("contact_counts", ContactCounts())
+        builder.Connect(contact.get_contacts_output_port(), counts.get_input_port())
+        ports["counts"] = counts.get_output_port()
     if scenario.swept_monitor != "off":
         ports["passes"] = monitor.get_passes_output_port()
     logs = {
         name: LogVectorOutput(port, builder, publish_period=scenario.record_period)
         for name, port in ports.items()
+        if name in needed
     }
     if meshcat is not None:
         add_drawings(builder, plant, scene_graph, contact, meshcat, scenario, live=live)
-    return Assembly(builder.Build(), plant, contact, MappingProxyType(logs))
+    return Assembly(builder.Build(), plant, contact, MappingProxyType(logs), columns)
 
 
 def add_bodies(plant: MultibodyPlant, scenario: Scenario, folder: Path) -> None:

@@ -15,6 +15,14 @@ from pydrake.multibody.tree import BodyIndex, RigidBody
 from pydrake.systems.framework import Context
 
 from scenarios.simulation.assembly import Assembly
+from scenarios.simulation.columns import (
+    BODY_UNITS,
+    COUNTS,
+    ENERGIES,
+    MECHANICS,
+    UNITS,
+    bodies_in,
+)
 from systems.plant.names import BodyNames
 
 Column = NDArray[np.float64]
@@ -58,90 +66,78 @@ class Record:
         return cls(columns, units)
 
 
-_BODY_UNITS = {
-    **dict.fromkeys(("x", "y", "z"), "m"),
-    **dict.fromkeys(("tilt", "yaw"), "rad"),
-    **dict.fromkeys(("wx", "wy", "wz"), "rad/s"),
-    **dict.fromkeys(("vx", "vy", "vz"), "m/s"),
-    **dict.fromkeys(("tx", "ty", "tz"), "N m"),
-    **dict.fromkeys(("fx", "fy", "fz"), "N"),
-}
-_MOTION = ("x", "y", "z", "tilt", "yaw", "wx", "wy", "wz", "vx", "vy", "vz")
-
-
-def motion_units() -> dict[str, str]:
-    """Return what is recorded of a body's motion, in order, and its units."""
-    return {quantity: _BODY_UNITS[quantity] for quantity in _MOTION}
-
-
-_UNITS = {
-    "time": "s",
-    "springs": "1",
-    "facet_pairs": "1",
-    **dict.fromkeys(("elastic_energy", "damping_loss", "friction_loss", "step_loss"), "J"),
-    **dict.fromkeys(("kinetic_energy", "gravitational_energy"), "J"),
-}
-
-
 def collect(assembly: Assembly, root: Context) -> Record:
-    """Gather the logs of a run, finished or not, into one record.
+    """Gather the logs of a run, finished or not, into one record of `column_names`.
 
     Energies: elastic (of the springs); lost until then in damping, to friction and to implicit
     steps; kinetic, gravitational. Every moving body has the position of its origin, its tilt (of
     its z axis from up) and yaw (of its x axis, unwrapped), its spatial velocity, the contact wrench
     about its origin, all in the world, and `g_force`, the contact's upward force over the weight.
     """
-    plant = assembly.plant
+    units = column_names(assembly)
     logs = {name: sink.FindLog(root) for name, sink in assembly.logs.items()}
     samples = min(log.num_samples() for log in logs.values())  # an interrupted run may differ
     data = {name: log.data()[:, :samples].T for name, log in logs.items()}
-    bodies = _moving_bodies(plant)
-    mechanics = np.empty((samples, 2))
+    columns = {"time": logs["state"].sample_times()[:samples].copy()}
+    if "counts" in data:
+        columns |= zip(COUNTS, data["counts"].T, strict=True)
+    if "energies" in data:
+        normal, tangential, *losses = data["energies"].T
+        columns |= zip(ENERGIES, (normal + tangential, *losses), strict=True)
+    columns |= _mechanics(assembly, units, data)
+    if "passes" in data:
+        columns["passes"] = data["passes"].sum(axis=1)
+    return Record({name: columns[name] for name in units}, units)
+
+
+def _mechanics(
+    assembly: Assembly, units: Mapping[str, str], data: Mapping[str, Column]
+) -> dict[str, Column]:
+    """Return energies and bodies' columns, of those asked for at least, of the logs' data."""
+    plant, asked = assembly.plant, bodies_in(units)
+    names, gravity = BodyNames(plant), np.linalg.norm(plant.gravity_field().gravity_vector())
+    bodies = {names.name_of(body.index()): body for body in _moving_bodies(plant)}
+    bodies = {name: body for name, body in bodies.items() if name in asked}
+    samples, with_energies = len(data["state"]), not units.keys().isdisjoint(MECHANICS)
+    energies = np.empty((samples, 2))
     X_WB, V_WB = np.empty((samples, len(bodies), 4, 4)), np.empty((samples, len(bodies), 6))
     context = plant.CreateDefaultContext()
     for sample, state in enumerate(data["state"]):
         plant.SetPositionsAndVelocities(context, state)
-        mechanics[sample] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
-        for index, body in enumerate(bodies):
+        if with_energies:
+            energies[sample] = plant.EvalKineticEnergy(context), plant.EvalPotentialEnergy(context)
+        for index, body in enumerate(bodies.values()):
             X_WB[sample, index] = body.EvalPoseInWorld(context).GetAsMatrix4()
             V_WB[sample, index] = body.EvalSpatialVelocityInWorld(context).get_coeffs()
+    columns = dict(zip(MECHANICS, energies.T, strict=True))
     motion = _motion(X_WB, V_WB)
-
-    normal, tangential, *losses = data["energies"].T
-    time = logs["state"].sample_times()[:samples].copy()
-    world = [time, *data["counts"].T, normal + tangential, *losses, *mechanics.T]
-    columns, units = dict(zip(_UNITS, world, strict=True)), dict(_UNITS)
-    names, gravity = BodyNames(plant), np.linalg.norm(plant.gravity_field().gravity_vector())
-    pushed = assembly.contact.bodies
-    wrenches = dict(zip(pushed, np.hsplit(data["wrenches"], len(pushed)), strict=True))
-    for index, body in enumerate(bodies):
-        name = names.name_of(body.index())
+    wrenches: dict[BodyIndex, Column] = {}
+    if "wrenches" in data:
+        pushed = assembly.contact.bodies
+        wrenches = dict(zip(pushed, np.hsplit(data["wrenches"], len(pushed)), strict=True))
+    for index, (name, body) in enumerate(bodies.items()):
         wrench = wrenches.get(body.index(), np.zeros((samples, 6)))
         values = np.hstack([motion[:, index], wrench]).T
         values[4] = np.unwrap(values[4])
-        for quantity, column in zip(_BODY_UNITS, values, strict=True):
-            columns[f"{name}.{quantity}"] = column
-            units[f"{name}.{quantity}"] = _BODY_UNITS[quantity]
-        if body.default_mass() > 0.0 and gravity > 0.0:
+        columns |= {f"{name}.{q}": column for q, column in zip(BODY_UNITS, values, strict=True)}
+        if f"{name}.g_force" in units:
             columns[f"{name}.g_force"] = values[-1] / (body.default_mass() * gravity)
-            units[f"{name}.g_force"] = "1"
-    if "passes" in data:
-        columns["passes"], units["passes"] = data["passes"].sum(axis=1), "1"
-    return Record(columns, units)
+    return columns
 
 
 def column_names(assembly: Assembly) -> dict[str, str]:
     """Return the names and units of the columns that a run of this diagram will record."""
-    units = dict(_UNITS)
+    units = dict(UNITS)
     names = BodyNames(assembly.plant)
     for body in _moving_bodies(assembly.plant):
         name = names.name_of(body.index())
-        units |= {f"{name}.{quantity}": unit for quantity, unit in _BODY_UNITS.items()}
+        units |= {f"{name}.{quantity}": unit for quantity, unit in BODY_UNITS.items()}
         if body.default_mass() > 0.0 and np.any(assembly.plant.gravity_field().gravity_vector()):
             units[f"{name}.g_force"] = "1"
     if "passes" in assembly.logs:
         units["passes"] = "1"
-    return units
+    asked = assembly.columns
+    return units if asked is None else {n: u for n, u in units.items() if n in {"time", *asked}}
 
 
 def _moving_bodies(plant: MultibodyPlant) -> list[RigidBody]:

@@ -21,6 +21,7 @@ from contact_toolkit import MeshError
 from scenarios.format.errors import ScenarioError
 from scenarios.format.loading import RawScenario, find
 from scenarios.format.scenario import Scenario
+from scenarios.judge.acceptance import columns_read
 from scenarios.judge.verdicts import ERROR, INTERRUPTED, TIMED_OUT
 from scenarios.report.summary import Summary
 from scenarios.runner import advance, judge_run, kept_warnings
@@ -79,7 +80,8 @@ def run_once(
     recorded = None
     try:
         with _models_folder() as folder, kept_warnings([]):
-            assembly = assemble(scenario, folder)
+            columns = None if record else columns_read(scenario.acceptance)
+            assembly = assemble(scenario, folder, columns=columns)
             simulator = assembly.simulator(scenario)
         _keep(assembly)
         with kept_warnings([]):

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from contact_toolkit import CollisionMesh, MeshError
+from contact_toolkit.shapes.mesh_files import read_obj
 
 _FORMATS = ["obj", "stl", "stl_ascii", "ply", "off", "glb"]
 
@@ -56,6 +57,43 @@ def test_obj_with_everything(tmp_path):
     )
     mesh = CollisionMesh.from_file(_saved(tmp_path, "x.obj", text))
     np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3], [0, 2, 3]])
+
+
+def _lines_of(text):
+    """What the reader gives that goes line by line: it never takes a file with a comment whole."""
+    return read_obj(b"# line by line\n" + text.encode())
+
+
+def test_plain_obj_is_read_as_line_by_line():
+    """Written by programs, it is read in one go; every bit must be the same."""
+    rng = np.random.default_rng(0)
+    vertices = rng.normal(size=(500, 3)) * 10.0 ** rng.integers(-300, 300, (500, 3))
+    facets = rng.integers(0, 500, (900, 3))
+    text = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist())
+    text += "".join(f"f {a} {b} {c}\n" for a, b, c in (facets + 1).tolist())
+    for found, expected in zip(read_obj(text.encode()), _lines_of(text), strict=True):
+        assert found.dtype == expected.dtype
+        assert found.tobytes() == expected.tobytes()
+    np.testing.assert_array_equal(read_obj(text.encode())[0], vertices)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "v 1 2\n3 v 1 2 3\nf 1 1 1\n",
+        _TRIANGLE + "f 1 2\n3 f 1 2 3\n",
+        _TRIANGLE + "f 1 2 4\n",
+        _TRIANGLE + "f 0 1 2\n",
+        _TRIANGLE + "f 1 2 99999999999\n",
+        "v 1-2 0 0\nf 1 1 1\n",
+    ],
+)
+def test_an_obj_that_is_almost_plain_is_refused(text):
+    with pytest.raises(MeshError) as plain:
+        read_obj(text.encode())
+    with pytest.raises(MeshError):
+        _lines_of(text)
+    assert plain.match("line [1-4]")
 
 
 _PLY = (

@@ -33,6 +33,45 @@ def test_a_rollout_has_the_figures_of_a_run_into_a_folder(plan, tmp_path):
     np.testing.assert_allclose(z, 0.04 - 9.81 / 2 * (t**2 + 0.002 * t), atol=1e-9)
 
 
+READ_FROM = {
+    "ball.z": set(),
+    "ball.wx": set(),
+    "kinetic_energy": set(),
+    "ball.ty": {"wrenches"},
+    "ball.g_force": {"wrenches"},
+    "facet_pairs": {"counts"},
+    "elastic_energy": {"energies"},
+    "step_loss": {"energies"},
+    "passes": {"passes"},
+}
+
+
+def test_a_run_logs_only_what_its_figures_read_and_reads_the_same(plan, monkeypatch):
+    # Wrenches, energies and contacts that nobody reads cost a twentieth of a run.
+    logged = []
+    assemble = rollouts.assemble
+
+    def assemble_and_look(*args, **options):
+        assembly = assemble(*args, **options)
+        logged.append(set(assembly.logs))
+        return assembly
+
+    monkeypatch.setattr(rollouts, "assemble", assemble_and_look)
+
+    def rollout(columns, **options):
+        figures = {column: f'travel("{column}")' for column in columns}
+        inputs = {"acceptance": f"{{figures: {figures}}}", "swept_monitor": "count"}
+        return scenarios.rollout(plan.base, inputs, **options)
+
+    whole = rollout(READ_FROM, record=True)
+    assert logged.pop() == {"state"}.union(*READ_FROM.values())
+    assert set(READ_FROM) < set(whole.record.columns)
+    for column, behind in READ_FROM.items():
+        alone = rollout([column])
+        assert alone.figures == {column: whole.figures[column]}, alone.reason
+        assert logged.pop() == {"state"} | behind
+
+
 def test_the_same_inputs_give_the_same_bits_whatever_ran_before(plan):
     # Meshes, hierarchies and fields of the run before are used again.
     first = scenarios.rollout(plan.base, {"contact.k": 7e7})
@@ -45,8 +84,8 @@ def test_what_runs_have_in_common_is_prepared_once(plan, monkeypatch):
     meshes = []
     assemble = rollouts.assemble
 
-    def assemble_and_look(*args):
-        assembly = assemble(*args)
+    def assemble_and_look(*args, **options):
+        assembly = assemble(*args, **options)
         meshes.append({each.name: each.mesh for each in assembly.contact.model.geometries})
         return assembly
 
