@@ -3,9 +3,10 @@
 Run from the root of the project: `python -m benchmarks.sweep_overhead`. Takes two minutes.
 
 Bare is `Initialize` and `AdvanceTo` of the same diagram with nothing logged and nobody looking. Run
-and bare simulation take turns, so it holds on a busy machine. What the other processes of a sweep
-take (worker, scheduler, the one that writes rows) is measured beside the process for runs, of a
-sweep with one worker; that process is replaced when it has grown, which costs a start.
+and bare simulation take turns, and the median of their ratios counts: on a busy machine each is off
+by 5 %. What the other processes of a sweep take (worker, scheduler, the one that writes rows) is
+measured beside the process for runs, of a sweep with one worker; that process is replaced when it
+has grown, which costs a start.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 import psutil
 from pydrake.multibody.plant import AddMultibodyPlant
 from pydrake.systems.analysis import Simulator
@@ -46,21 +48,21 @@ def bare(scenario: Scenario) -> Simulator:
 
 
 def alone_and_bare(plan: Plan) -> tuple[float, float]:
-    """Return what a run takes in its process, and the simulation in it [s], on average."""
-    seconds = [0.0, 0.0]
+    """Return what a run takes in its process over its simulation, and this one [s]: medians."""
     warm, *runs = plan.runs()
     run_once("warm", plan.base.load(warm.overrides))
-    # Another's bare simulation, lest it find this one's nodes made.
-    for run, another in zip(runs, [runs[-1], *runs[:-1]], strict=True):
+    whole, simulation = np.empty((2, len(runs)))
+    for index, run in enumerate(runs):
         began = time.thread_time()
         run_once("run", plan.base.load(run.overrides))
-        seconds[0] += time.thread_time() - began
-        simulator = bare(plan.base.load(another.overrides))
+        whole[index] = time.thread_time() - began
+        # The last one's bare simulation, lest it find this one's nodes made.
+        simulator = bare(plan.base.load(runs[index - 1].overrides))
         began = time.thread_time()
         simulator.Initialize()
         simulator.AdvanceTo(plan.scenario.simulation_duration)
-        seconds[1] += time.thread_time() - began
-    return seconds[0] / len(runs), seconds[1] / len(runs)
+        simulation[index - 1] = time.thread_time() - began
+    return float(np.median(whole / simulation)), float(np.median(simulation))
 
 
 @dataclass
@@ -103,14 +105,14 @@ def main() -> None:
     name, study, base = load_study("grasp_study")
     study.runs = parser.parse_args().runs
     plan = Plan(name, study, base)
-    run, simulation = alone_and_bare(plan)
+    ratio, simulation = alone_and_bare(plan)
     first, last = in_a_sweep(plan)
     beside = (last.others - first.others) / (last.runs - first.runs)
     before_fresh = (FRESH * study.memory_limit - first.memory) * (study.runs - 1)
     many = before_fresh / (last.memory - first.memory)
     shares = {
-        "around the simulation": run / simulation - 1,
-        "in other processes": beside * run / simulation,
+        "around the simulation": ratio - 1,
+        "in other processes": beside * ratio,
         f"of a new process every {many:.0f} runs": first.runs / many / simulation,
     }
     print(f"bare simulation: {simulation:.3f} s; over it:")

@@ -83,7 +83,8 @@ def _numbers(kind: Any, value: Any) -> Any:
     if kind is int and type(value) is int:
         return value
     if get_origin(kind) is list and isinstance(value, list):
-        entries = [_numbers(*get_args(kind), entry) for entry in value]
+        (of,) = get_args(kind)
+        entries = [_numbers(of, entry) for entry in value]
         return None if None in entries else entries
     return None
 
