@@ -85,13 +85,15 @@ def test_results_hold_the_ratios_and_say_what_was_missed(tmp_path):
     rows = [
         Row("distance", "a on b, tilted", "coal", 1e-5, 4e-5, target=3.0, size=100, output=1),
         Row("growth", "distance, 50 facets each", "coal", 2e-5, 4e-5, target=3.0, size=100),
+        Row("distance", "a on b, beside", "coal", 1e-5, 5e-5),
     ]
     write_results(rows, Stopwatch(), tmp_path)
     recorded = json.loads((tmp_path / "results.json").read_text())
-    assert [row["ratio"] for row in recorded["rows"]] == pytest.approx([4.0, 2.0])
+    assert [row["ratio"] for row in recorded["rows"]] == pytest.approx([4.0, 2.0, 5.0])
     table = (tmp_path / "RESULTS.md").read_text()
     assert "| a on b, tilted | 100 | 1 | 10 µs | coal | 40 µs | 4.00 | 3 |" in table
     assert "**2.00**" in table
+    assert table.count("## Distance") == 1  # one table, even of rows measured by turns
     for draw, name in ((plot_ratios, "ratios.png"), (plot_growth, "growth.png")):
         draw(rows, tmp_path / name)
         assert (tmp_path / name).stat().st_size > 1000
