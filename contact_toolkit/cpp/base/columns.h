@@ -51,13 +51,6 @@ void AppendRow(const Table& from, std::size_t i, Table* to) {
                       [&](const auto& source, auto& target) { target.push_back(source[i]); });
 }
 
-// Copies row i of a table to a row that is there already.
-template <class Table>
-void CopyRow(const Table& from, std::size_t i, Table* to, std::size_t row) {
-  ForEachColumnOfBoth(from, *to,
-                      [&](const auto& source, auto& target) { target[row] = source[i]; });
-}
-
 // Where the columns of a table begin, known to stay while rows are written.
 template <class Table>
 class RowTarget {

@@ -91,7 +91,7 @@ class RowMerger {
     };
     for (std::size_t i = 0; i < measured_.rows.size(); ++i) {
       write_until(measured_.candidate[i]);
-      Copy(i, next++);
+      Copy(to, i, next++);
     }
     write_until(count);
     rows_.Resize(next);
@@ -116,7 +116,7 @@ class RowMerger {
           ++rows_.multiplicity[*row];
         } else {
           *row = next;
-          Copy(i, next++);
+          Copy(to, i, next++);
         }
       }
     };
@@ -161,8 +161,11 @@ class RowMerger {
     return FeaturePair{measured_.rows.feature_a[i], measured_.rows.feature_b[i]}.key();
   }
 
-  void Copy(std::size_t i, std::int32_t row) {
-    CopyRow(measured_.rows, i, &rows_, static_cast<std::size_t>(row));
+  void Copy(const RowTarget<WitnessPairs>& to, std::size_t i, std::int32_t row) const {
+    const WitnessPairs& from = measured_.rows;
+    to.Write(static_cast<std::size_t>(row), from.distance[i], from.p_ACa[i], from.p_ACb[i],
+             from.normal_A[i], from.facet_a[i], from.facet_b[i], from.feature_a[i],
+             from.feature_b[i], from.multiplicity[i]);
   }
 
   const std::vector<std::int32_t>&slot_facet_a_, &slot_facet_b_;

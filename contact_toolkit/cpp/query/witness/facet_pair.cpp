@@ -151,10 +151,9 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
   // Where most guesses fail, as in aligned poses, the next chunks are not guessed at.
   const bool guess = chunk->unguessed == 0;
   const auto care = guess ? Care::kGuessed : Care::kFast;
-  if (4 * thin_count <
-      chunk->count) {  // what is measured in vain costs less than being moved about
-    with(care)(chunk);
-  } else {
+  if (4 * thin_count < chunk->count) {
+    with(care)(chunk);  // what is measured in vain costs less than being moved about
+  } else if (thin_count < chunk->count) {
     measure([&](int k) { return !thin(k); }, with(care));
   }
   if (thin_count < chunk->count) {
@@ -168,7 +167,11 @@ void MeasureFacetPairs(const PosedPair& pair, FacetPairs* chunk) {
     measure(again, with(Care::kCareful));
   }
   if (thin_count == 0) return;
-  measure(thin, with(Care::kProven));
+  if (thin_count == chunk->count) {
+    with(Care::kProven)(chunk);
+  } else {
+    measure(thin, with(Care::kProven));
+  }
   measure([&](int k) { return thin(k) && doubtful(k); },
           [&](FacetPairs* pairs) { ThinFacetDistances(points_a, points_b, pair.matrix, pairs); });
 }
