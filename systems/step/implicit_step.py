@@ -210,11 +210,10 @@ class ImplicitStep:
             X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
             twin.kinematics_after(self._step, v_next, self._links, X_WB, jacobian)
         mismatch, before = 0.0, np.inf
-        best = np.inf, None, v, v
+        best: tuple[float, tuple[StepSolution, Floats, Floats]] | None = None
         for round_ in range(1, _ROUNDS + 1):
-            solution, aimed, forces = self._solve(
-                state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next
-            )
+            solved = self._solve(state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next)
+            solution, aimed, forces = solved
             led = np.abs(aimed - v).max()
             allowed = _TOLERANCE * float(led + free)
             far = self._affine or self._limits.are_far(
@@ -231,10 +230,10 @@ class ImplicitStep:
             trusted = agreed and known and far and seen and not self._twin.touching
             if (agreed and known) or (self._floats and mismatch > before / 2):
                 break
-            if mismatch < best[0]:
-                best = mismatch, solution, aimed, forces
+            if best is None or mismatch < best[0]:
+                best = mismatch, solved
             if round_ == _ROUNDS:
-                mismatch, solution, aimed, forces = best
+                mismatch, (solution, aimed, forces) = best
             elif not self._floats:
                 found = self._response(twin, outer + forces, reached, own)
                 # A limit that is reached by turns is reached in part.
