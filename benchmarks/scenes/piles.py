@@ -98,14 +98,15 @@ SCENES = (
     Scene(
         "20 objects in a bin",
         "Boxes, cans, a bottle in convex pieces, bricks and the bin of `manipulation`'s `hydro`, "
-        "four nuts of `robosuite`; turned at random. The deepest are edges in soft foam and bin.",
+        "four nuts of `robosuite`; turned at random. The deepest are edges in soft foam and bin; none "
+        "is in another by a tenth of the thinnest box, of 26 mm.",
         ("manipulation", "robosuite"),
         _build_bin,
         lambda run: _lie(run, 1.5),
         {
             "carried [weights]": Truth(1.0, 0.01),
             "fastest [mm/s]": Truth(0.0, 10.0),
-            "deepest in another [mm]": Truth(0.0, 2.0),
+            "deepest in another [mm]": Truth(0.0, 2.6),
         },
     ),
     Scene(
