@@ -98,8 +98,8 @@ SCENES = (
     Scene(
         "20 objects in a bin",
         "Boxes, cans, a bottle in convex pieces, bricks and the bin of `manipulation`'s `hydro`, "
-        "four nuts of `robosuite`; turned at random. The deepest are edges in soft foam and bin; none "
-        "is in another by a tenth of the thinnest box, of 26 mm.",
+        "four nuts of `robosuite`; turned at random. The deepest are edges in soft foam and bin; "
+        "none is in another by a tenth of the thinnest box, of 26 mm.",
         ("manipulation", "robosuite"),
         _build_bin,
         lambda run: _lie(run, 1.5),
