@@ -78,7 +78,7 @@ def _build_bricks(plant: MultibodyPlant, folder: Path) -> None:
         plant.SetDefaultFloatingBaseBodyPose(base, X_WB)
 
 
-def _lie(run: Run, settled: float) -> dict[str, float]:
+def _lie(run: Run, settled: float, softest: float = 0.0) -> dict[str, float]:
     bodies = [run.plant.get_body(i) for i in run.plant.GetFloatingBaseBodies()]
     free = bodies_of(run.plant, *{_model_of(run, body) for body in bodies})
     run.advance(settled)
@@ -86,7 +86,7 @@ def _lie(run: Run, settled: float) -> dict[str, float]:
     return {
         "carried [weights]": carried[2],
         "fastest [mm/s]": 1e3 * run.speed(free),
-        "deepest in another [mm]": 1e3 * run.overlap(),
+        f"deepest in another{', of hard ones' if softest else ''} [mm]": 1e3 * run.overlap(softest),
     }
 
 
@@ -98,15 +98,15 @@ SCENES = (
     Scene(
         "20 objects in a bin",
         "Boxes, cans, a bottle in convex pieces, bricks and the bin of `manipulation`'s `hydro`, "
-        "four nuts of `robosuite`; turned at random. The deepest are edges in soft foam and bin; "
-        "none is in another by a tenth of the thinnest box, of 26 mm.",
+        "four nuts of `robosuite`; turned at random. Hard ones are tagged 1e8 Pa; foam, of 1e5, "
+        "the bin, of 1e6, and nuts, of Drake's 1e7, give way by up to millimetres at edges.",
         ("manipulation", "robosuite"),
         _build_bin,
-        lambda run: _lie(run, 1.5),
+        lambda run: _lie(run, 1.5, softest=1e8),
         {
             "carried [weights]": Truth(1.0, 0.01),
             "fastest [mm/s]": Truth(0.0, 10.0),
-            "deepest in another [mm]": Truth(0.0, 2.6),
+            "deepest in another, of hard ones [mm]": Truth(0.0, 0.5),
         },
     ),
     Scene(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from pydrake.geometry import DefaultProximityProperties, GeometryId
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import RigidBody
@@ -139,10 +140,11 @@ class Run:
             total += self._force_on(rows)
         return total / steps
 
-    def overlap(self) -> float:
+    def overlap(self, softest: float = 0.0) -> float:
         """Return how deep the deepest overlap of two bodies is by Drake's reckoning [m].
 
-        Asked of a plant of its own, which filters nothing; Drake takes convex hulls.
+        Of those with a hydroelastic modulus of at least `softest` [Pa]; untagged ones have Drake's
+        default. Asked of a plant of its own, which filters nothing; Drake takes convex hulls.
         """
         builder = DiagramBuilder()
         plant, _ = make_plant(builder, "Drake point", TIME_STEP)
@@ -152,7 +154,24 @@ class Run:
         context = plant.GetMyMutableContextFromRoot(diagram.CreateDefaultContext())
         plant.SetPositions(context, self.plant.GetPositions(self.context))
         query = plant.get_geometry_query_input_port().Eval(context)
-        return max((pair.depth for pair in query.ComputePointPairPenetration()), default=0.0)
+
+        default = DefaultProximityProperties().hydroelastic_modulus
+
+        def is_hard(geometry: GeometryId) -> bool:
+            properties = query.inspector().GetProximityProperties(geometry)
+            modulus = properties.GetPropertyOrDefault(
+                "hydroelastic", "hydroelastic_modulus", default
+            )
+            return modulus >= softest
+
+        return max(
+            (
+                pair.depth
+                for pair in query.ComputePointPairPenetration()
+                if is_hard(pair.id_A) and is_hard(pair.id_B)
+            ),
+            default=0.0,
+        )
 
     def _force_on(self, rows: set[int]) -> Floats:
         if self._contact is None:

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import replace
 
 from systems.diagnostics.contact_watch import Reported
-from systems.step.implicit_step import SolvedStep
+from systems.step.solved_step import SolvedStep
 
 # Of a solution that is not converged, and far enough off to matter.
 _UNSOLVED = 2

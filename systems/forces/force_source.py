@@ -11,8 +11,8 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.framework import Context, DependencyTicket, LeafSystem, State
 
 from contact_toolkit import ContactState, Forces
-from systems.step.implicit_step import SolvedStep
 from systems.step.linearized_step import LinearizedStep
+from systems.step.solved_step import SolvedStep
 
 Floats = NDArray[np.float64]
 

@@ -17,8 +17,9 @@ from systems.diagnostics.contact_watch import ContactWatch, Reported
 from systems.diagnostics.step_watch import StepWatch
 from systems.forces.force_source import ForceSource
 from systems.python_cache import holding, producer
-from systems.step.implicit_step import ImplicitStep, SolvedStep
+from systems.step.implicit_step import ImplicitStep
 from systems.step.linearized_step import LinearizedStep
+from systems.step.solved_step import SolvedStep
 from systems.wiring.motion_ports import MotionPorts
 from systems.wiring.plant_inputs import PlantInputs
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex, JointActuatorIndex
+from pydrake.multibody.tree import BodyIndex
 
 from contact_toolkit import ContactModel, ContactState, StepSolution, StepSolver
 from systems.plant.pairs import GeometryPair
-from systems.step.free_motion import FORCES, FreeMotion
 from systems.step.linearized_step import LinearizedStep, StepSlopes
+from systems.step.plant_answer import PlantAnswer, PlantAnswers, outer_forces
 from systems.step.plant_trees import PlantTrees
 from systems.step.plant_twin import PlantTwin, TwinAtState
-from systems.step.step_limits import StepLimits
+from systems.step.solved_step import SolvedStep
 
 Floats = NDArray[np.float64]
 
@@ -25,82 +25,14 @@ Floats = NDArray[np.float64]
 _TOLERANCE = 1e-6
 # Solves in which contact and the plant's own limits and constraints come to agree.
 _ROUNDS = 8
-# [-] Of the free response: what a force does to velocities that a constraint holds fast.
-_RIGID = 1e-10
-_NOTHING = np.zeros((0, 0))
 
 
-class SolvedStep(NamedTuple):
-    """A step of the plant under contact.
-
-    Attributes
-    ----------
-    solution
-        As the native solver found it; velocities in its own order.
-    velocities
-        (nv,) that contact was solved for.
-    change
-        (nv,) of the velocities in the step.
-    generalized_forces
-        (nv,) of contact, over the whole step.
-    mismatch
-        Largest difference [m/s, rad/s] between the velocities that the plant reaches and those that
-        contact was solved for; 0 where the plant answers forces as A says, and was not asked.
-    allowed
-        Mismatch up to which the two count as agreed.
-    rounds
-        Solves it took contact and the plant's limits and constraints to agree.
-    stiffening
-        What the plant's limits and constraints were found to add to A, on the velocities that are
-        not those of floating bodies; None where they add nothing. Good to begin the next step with.
-    trusted
-        Whether the plant's answer to contact forces was seen to be A, in this step or before, far
-        from all limits.
-    """
+class _Contact(NamedTuple):
+    """Contact solved under an answer: velocities aimed at and generalized forces, (nv,)."""
 
     solution: StepSolution
-    velocities: Floats
-    change: Floats
-    generalized_forces: Floats
-    mismatch: float
-    allowed: float
-    rounds: int
-    stiffening: Floats | None = None
-    trusted: bool = False
-
-    def leads_to(self, v: Floats) -> bool:
-        """Whether the plant went where its answer to forces, trusted, led to: velocities (nv,)."""
-        return self.trusted and bool(np.abs(v - self.velocities).max() <= self.allowed)
-
-    @property
-    def statistics(self) -> Floats:
-        """(5,) Newton iterations, force evaluations, islands, status, rounds."""
-        found = self.solution
-        return np.array(
-            [found.iterations, found.evaluations, found.islands, found.status, self.rounds], float
-        )
-
-
-class _Begun(NamedTuple):
-    """A step before contact is solved for.
-
-    Attributes
-    ----------
-    v_plain
-        (nv,) where it leads without contact.
-    reached
-        (nv,) where the plant was seen to go, under likely forces or without.
-    inertia, stiffening
-        A, and what of it limits and constraints were found to add.
-    trusted
-        Whether the plant is known to answer as A says.
-    """
-
-    v_plain: Floats
-    reached: Floats
-    inertia: Floats
-    stiffening: Floats | None
-    trusted: bool
+    aimed: Floats
+    forces: Floats
 
 
 class ImplicitStep:
@@ -112,8 +44,8 @@ class ImplicitStep:
     that update goes without contact, asked of a `PlantTwin`, and A what it answers forces with: the
     mass matrix, joint damping and the gains of controllers. Where limits or constraints of the
     plant join in, A is taken from the twin, and solving is repeated until the twin agrees. Once it
-    has agreed it is asked but once a step, under the forces of the last one, as long as the plant
-    lands where it should, far from its limits.
+    has agreed it is asked but once a step, under the forces of the last one, or not at all where
+    v_free has a closed form, as long as the plant lands where it should, far from its limits.
 
     Parameters
     ----------
@@ -158,16 +90,9 @@ class ImplicitStep:
             X_RB=trees.X_RB,
         )
         self._order = trees.order
-        self._dofs = trees.rest
         self._floats = not len(trees.rest)
-        self._own = _implicit_terms(plant, self._step)
-        self._block = np.ix_(trees.rest, trees.rest)
-        self._constrained = plant.num_constraints() > 0
-        self._limits = StepLimits(plant)
-        # Forces move such a plant as A says, whatever else acts on it.
-        self._affine = not (self._constrained or self._twin.touching or self._limits.bend)
-        self._gravity = self._known_gravity() if self._affine and self._floats else None
-        self._free = self._known_free_motion()
+        self._answers = PlantAnswers(self._twin, trees.rest)
+        self._gravity = self._known_gravity() if self._answers.affine and self._floats else None
 
     def solve(
         self,
@@ -196,12 +121,8 @@ class ImplicitStep:
             forces = solution.generalized_forces
             return SolvedStep(solution, solution.v, solution.v - v, forces, 0.0, 0.0, 1)
         twin = self._twin.at(x, inputs)
-        given = inputs.get(FORCES)
-        outer = np.zeros(self._nv) if given is None else np.asarray(given)
-        begun = self._begin(twin, v, outer, inputs, last)
-        v_plain, reached, inertia, stiffening, trusted = begun
-        own = inertia if stiffening is None else inertia - stiffening
-        free = np.abs(v_plain - v).max()
+        answer = self._answers.begin(twin, x, inputs, last)
+        free = float(np.abs(answer.v_plain - v).max())
         v_next = v
         if last is not None and np.abs(last.change).max() <= free:
             v_next = v + last.change  # no impact: it goes on as in the last step
@@ -209,76 +130,60 @@ class ImplicitStep:
         if self._links:
             X_WB, jacobian = X_WB.copy(), np.zeros(jacobian.shape)
             twin.kinematics_after(self._step, v_next, self._links, X_WB, jacobian)
-        mismatch, before = 0.0, np.inf
-        best: tuple[float, tuple[StepSolution, Floats, Floats]] | None = None
-        for round_ in range(1, _ROUNDS + 1):
-            solved = self._solve(state, time, q, v, v_plain, X_WB, inertia, jacobian, v_next)
-            solution, aimed, forces = solved
-            led = np.abs(aimed - v).max()
-            allowed = _TOLERANCE * float(led + free)
-            far = self._affine or self._limits.are_far(
-                q, np.array([reached, aimed]), self._step, inputs
-            )
-            if self._affine or (trusted and far):
-                mismatch, trusted = 0.0, True
-                break
-            reached = twin.reached(outer + forces)
-            mismatch = float(np.abs(reached - aimed).max())
-            agreed, bears = mismatch <= allowed, bool(forces[self._dofs].any())
-            known = stiffening is not None or not (self._constrained and bears)
-            seen = bears or self._free is not None
-            trusted = agreed and known and far and seen and not self._twin.touching
-            if (agreed and known) or (self._floats and mismatch > before / 2):
-                break
-            if best is None or mismatch < best[0]:
-                best = mismatch, solved
-            if round_ == _ROUNDS:
-                mismatch, (solution, aimed, forces) = best
-            elif not self._floats:
-                found = self._response(twin, outer + forces, reached, own)
-                # A limit that is reached by turns is reached in part.
-                inertia = self._between(inertia, found) if mismatch > before / 2 else found
-                stiffening = inertia - own
-                v_plain = self._without(forces, reached, inertia, v_plain)
-            before = mismatch
+
+        def under(answer: PlantAnswer) -> _Contact:
+            return self._solve(state, time, x, answer, X_WB, jacobian, v_next)
+
+        contact = under(answer)
+        if not self._answers.is_certain(answer, q, contact.aimed, inputs):
+            return self._agree(twin, x, inputs, answer, contact, under)
+        change = contact.aimed - v
+        allowed = _TOLERANCE * (free + float(np.abs(change).max()))
+        solution, aimed, forces = contact
         return SolvedStep(
-            solution, aimed, aimed - v, forces, mismatch, allowed, round_, stiffening, trusted
+            solution, aimed, change, forces, 0.0, allowed, 1, answer.stiffening, trusted=True
         )
 
-    def _begin(
+    def _agree(
         self,
         twin: TwinAtState,
-        v: Floats,
-        outer: Floats,
+        x: Floats,
         inputs: Mapping[str, object],
-        last: SolvedStep | None,
-    ) -> _Begun:
-        """Return what is known of a step before contact is solved for."""
-        inertia = _NOTHING if self._floats else twin.mass_matrix() + self._own
-        trusted = last is None or last.leads_to(v)
-        if trusted and self._free is not None and self._free.knows(inputs):
-            v_free = twin.free_motion(self._free, inputs, inertia)
-            return _Begun(v_free, v_free, inertia, None, True)
-        if last is None:
-            v_free = twin.reached(outer)
-            return _Begun(v_free, v_free, inertia, None, False)
-        if last.stiffening is not None:
-            inertia = inertia + last.stiffening
-        if not trusted:
-            v_free = twin.reached(outer)
-            return _Begun(v_free, v_free, inertia, last.stiffening, False)
-        likely = np.zeros(self._nv)
-        likely[self._dofs] = last.generalized_forces[self._dofs]
-        reached = twin.reached(outer + likely)
-        v_plain = self._without(likely, reached, inertia, reached)
-        return _Begun(v_plain, reached, inertia, last.stiffening, True)
-
-    def _without(self, forces: Floats, reached: Floats, inertia: Floats, v_plain: Floats) -> Floats:
-        """Return v_plain, with the velocities that are not of floating bodies as without forces."""
-        dofs, v_plain = self._dofs, v_plain.copy()
-        response = self._step * np.linalg.solve(inertia[self._block], forces[dofs])
-        v_plain[dofs] = reached[dofs] - response
-        return v_plain
+        answer: PlantAnswer,
+        contact: _Contact,
+        under: Callable[[PlantAnswer], _Contact],
+    ) -> SolvedStep:
+        """Solve contact `under` other answers until the plant goes where it aims."""
+        q, v, outer = x[: self._nq], x[self._nq :], outer_forces(inputs, self._nv)
+        free = np.abs(answer.v_plain - v).max()
+        best, before = (np.inf, contact), np.inf
+        for round_ in range(1, _ROUNDS + 1):
+            reached = twin.reached(outer + contact.forces)
+            mismatch = float(np.abs(reached - contact.aimed).max())
+            allowed = _TOLERANCE * float(free + np.abs(contact.aimed - v).max())
+            agreed = mismatch <= allowed and self._answers.is_complete(answer, contact.forces)
+            if agreed or mismatch < best[0]:
+                best = mismatch, contact
+            # What floats has no other answer.
+            if agreed or self._floats or round_ == _ROUNDS:
+                break
+            answer = self._answers.learn(
+                twin, answer, outer, contact.forces, reached, by_turns=mismatch > before / 2
+            )
+            contact, before = under(answer), mismatch
+        mismatch, (solution, aimed, forces) = best
+        trusted = agreed and self._answers.is_proved(answer, q, aimed, forces, inputs)
+        return SolvedStep(
+            solution,
+            aimed,
+            aimed - v,
+            forces,
+            mismatch,
+            allowed,
+            round_,
+            answer.stiffening,
+            trusted,
+        )
 
     def linearize(
         self,
@@ -306,100 +211,29 @@ class ImplicitStep:
         found = self._solver.free_motion(q, v, self._step, gravity)
         return gravity if np.allclose(found, expected, rtol=1e-12, atol=1e-13) else None
 
-    def _known_free_motion(self) -> FreeMotion | None:
-        """Return the closed form of the free motion; None: the plant's is another."""
-        if self._constrained or self._twin.touching:
-            return None
-        twin = self._twin.plant
-        free = FreeMotion(twin)
-        x = twin.GetPositionsAndVelocities(self._twin.default_context())
-        x[: self._nq] = self._limits.amid(x[: self._nq])
-        x[self._nq :] = np.linspace(0.1, 0.3, self._nv)
-        inputs = free.some_inputs(x)
-        at = self._twin.apart(x, inputs)
-        expected = at.reached(inputs[FORCES])
-        A = at.mass_matrix() + self._own
-        found = at.free_motion(free, inputs, A)
-        ends = np.array([expected, found])
-        if not self._limits.are_far(x[: self._nq], ends, self._step, inputs):
-            return None
-        return free if np.allclose(found, expected, rtol=1e-9, atol=1e-11) else None
-
     def _solve(
         self,
         state: ContactState,
         time: float,
-        q: Floats,
-        v: Floats,
-        v_free: Floats,
+        x: Floats,
+        answer: PlantAnswer,
         X_WB: Floats,
-        inertia: Floats,
         jacobian: Floats,
         v_next: Floats,
-    ) -> tuple[StepSolution, Floats, Floats]:
-        """Return the solution, its velocities and its generalized forces (nv,)."""
-        order = self._order
+    ) -> _Contact:
+        q, v = x[: self._nq], x[self._nq :]
+        v_plain, inertia, order = answer.v_plain, answer.inertia, self._order
         if order is None:
             solution = self._solver.solve(
-                state, time, self._step, q, v, v_free, X_WB, inertia, jacobian, v_next
+                state, time, self._step, q, v, v_plain, X_WB, inertia, jacobian, v_next
             )
-            return solution, solution.v, solution.generalized_forces
+            return _Contact(solution, solution.v, solution.generalized_forces)
         if not self._floats:
             inertia, jacobian = inertia[np.ix_(order, order)], jacobian[:, :, order].copy()
+        v, v_plain, v_next = v[order], v_plain[order], v_next[order]
         solution = self._solver.solve(
-            state,
-            time,
-            self._step,
-            q,
-            v[order],
-            v_free[order],
-            X_WB,
-            inertia,
-            jacobian,
-            v_next[order],
+            state, time, self._step, q, v, v_plain, X_WB, inertia, jacobian, v_next
         )
-        reached, forces = np.empty_like(v), np.empty_like(v)
-        reached[order], forces[order] = solution.v, solution.generalized_forces
-        return solution, reached, forces
-
-    def _between(self, one: Floats, other: Floats) -> Floats:
-        """Return the A that answers forces by the mean of what these two do."""
-        between = other.copy()
-        answers = np.linalg.inv(one[self._block]) + np.linalg.inv(other[self._block])
-        between[self._block] = 2 * np.linalg.inv(answers)
-        return between
-
-    def _response(
-        self, twin: TwinAtState, forces: Floats, reached: Floats, inertia: Floats
-    ) -> Floats:
-        """Return A at these forces, by asking the twin; floating bodies keep theirs."""
-        dofs = self._dofs
-        response = np.zeros((len(dofs), len(dofs)))
-        # Small beside what acts, yet far above rounding.
-        size = 1e-4 * (np.abs(forces).max() + 1e-3)
-        for column, dof in enumerate(dofs):
-            pushed = forces.copy()
-            pushed[dof] += size
-            response[:, column] = (twin.reached(pushed) - reached)[dofs] / size
-        values, vectors = np.linalg.eigh(response / 2 + response.T / 2)
-        free = self._step / np.diag(inertia)[dofs].max()
-        values = np.maximum(values, _RIGID * max(values.max(), free))
-        after = inertia.copy()
-        after[self._block] = self._step * (vectors / values) @ vectors.T
-        return after
-
-
-def _implicit_terms(plant: MultibodyPlant, step: float) -> Floats:
-    """Return (nv, nv) what joint damping and controllers add to the mass matrix over a step."""
-    own = np.zeros(plant.num_velocities())
-    for index in plant.GetJointIndices():
-        joint = plant.get_joint(index)
-        if joint.num_velocities():
-            start = joint.velocity_start()
-            own[start : start + joint.num_velocities()] += step * joint.default_damping_vector()
-    for i in range(plant.num_actuators()):
-        actuator = plant.get_joint_actuator(JointActuatorIndex(i))
-        if actuator.has_controller():
-            gains = actuator.get_controller_gains()
-            own[actuator.joint().velocity_start()] += step * gains.d + step**2 * gains.p
-    return np.diag(own)
+        aimed, forces = np.empty_like(v), np.empty_like(v)
+        aimed[order], forces[order] = solution.v, solution.generalized_forces
+        return _Contact(solution, aimed, forces)

@@ -2,47 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JointActuator, JointActuatorIndex, ModelInstanceIndex
+
+from systems.step.controllers import Controllers
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Of a step's way: Drake's limits push before they are reached.
 _AHEAD = 4.0
 _CLOSE = 0.999  # of an effort limit
-
-
-class _Controllers(NamedTuple):
-    """Those of one model instance that have an effort limit.
-
-    Attributes
-    ----------
-    desired, feedforward
-        Names of their input ports.
-    q, v, own, every
-        Rows in positions, velocities, the instance's actuators and all actuators.
-    actuators
-        Actuators of the instance.
-    p, d, effort
-        Gains and limits.
-    """
-
-    desired: str
-    feedforward: str
-    q: Integers
-    v: Integers
-    own: Integers
-    every: Integers
-    actuators: int
-    p: Floats
-    d: Floats
-    effort: Floats
 
 
 class StepLimits:
@@ -52,9 +24,11 @@ class StepLimits:
     ----------
     plant
         Finalized and discrete.
+    controllers
+        Its own.
     """
 
-    def __init__(self, plant: MultibodyPlant) -> None:
+    def __init__(self, plant: MultibodyPlant, controllers: Sequence[Controllers]) -> None:
         q, v, lower, upper = [], [], [], []
         for index in plant.GetJointIndices():
             joint = plant.get_joint(index)
@@ -68,17 +42,9 @@ class StepLimits:
                 upper.append(high[i])
         self._q, self._v = np.array(q, int), np.array(v, int)
         self._lower, self._upper = np.array(lower), np.array(upper)
-        actuators = [
-            plant.get_joint_actuator(JointActuatorIndex(i)) for i in range(plant.num_actuators())
-        ]
-        controlled = [each for each in actuators if each.has_controller()]
-        self.bend = bool(q or controlled)
+        self._controllers = [each for each in controllers if np.isfinite(each.limit).any()]
+        self.bend = bool(q or controllers)
         """Whether there are any, or controllers at all."""
-        limited = [each for each in controlled if np.isfinite(each.effort_limit())]
-        self._controllers = [
-            _of_instance(plant, instance, limited)
-            for instance in sorted({each.model_instance() for each in limited}, key=int)
-        ]
 
     def amid(self, q: Floats) -> Floats:
         """Return positions q (nq,) with those of limited joints amid their limits."""
@@ -102,42 +68,15 @@ class StepLimits:
         return all(_unsaturated(each, q, velocities, step, inputs) for each in self._controllers)
 
 
-def _of_instance(
-    plant: MultibodyPlant, instance: ModelInstanceIndex, limited: list[JointActuator]
-) -> _Controllers:
-    every = list(plant.GetJointActuatorIndices(instance))
-    mine = [each for each in limited if each.model_instance() == instance]
-    gains = [each.get_controller_gains() for each in mine]
-    return _Controllers(
-        plant.get_desired_state_input_port(instance).get_name(),
-        plant.get_actuation_input_port(instance).get_name(),
-        np.array([each.joint().position_start() for each in mine]),
-        np.array([each.joint().velocity_start() for each in mine]),
-        np.array([every.index(each.index()) for each in mine]),
-        np.array([int(each.index()) for each in mine]),
-        len(every),
-        np.array([each.p for each in gains]),
-        np.array([each.d for each in gains]),
-        np.array([each.effort_limit() for each in mine]),
-    )
-
-
 def _unsaturated(
-    own: _Controllers,
-    q: Floats,
-    velocities: Floats,
-    step: float,
-    inputs: Mapping[str, object],
+    own: Controllers, q: Floats, velocities: Floats, step: float, inputs: Mapping[str, object]
 ) -> bool:
     desired = inputs.get(own.desired)
     if not isinstance(desired, np.ndarray):
         return True  # without one Drake leaves the controllers out
-    fed = np.zeros(len(own.own))
+    effort = own.pull(q, velocities, step, desired)
     for name, rows in ((own.feedforward, own.own), ("actuation", own.every)):
         value = inputs.get(name)
         if isinstance(value, np.ndarray):
-            fed = fed + value[rows]
-    v = velocities[:, own.v]
-    behind = desired[own.own] - q[own.q] - step * v
-    effort = fed + own.p * behind + own.d * (desired[own.actuators + own.own] - v)
-    return bool((np.abs(effort) < _CLOSE * own.effort).all())
+            effort = effort + value[rows]
+    return bool((np.abs(effort) < _CLOSE * own.limit).all())

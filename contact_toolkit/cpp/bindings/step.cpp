@@ -9,6 +9,7 @@
 #include "bindings/arrays.h"
 #include "bindings/immutable.h"
 #include "contact/fields.h"
+#include "step/free_motion.h"
 #include "step/step_solver.h"
 
 namespace contact_toolkit {
@@ -164,8 +165,8 @@ std::shared_ptr<const StepSolution> SolveUnderGravity(
   SetInputs(self, time, step, q0, v0, X_FB, &inputs);
   StepProblem& problem = inputs.problem;
   const nb::gil_scoped_release release;
-  const std::vector<double> v_free =
-      self.FreeMotion(problem.q0, problem.v0, step, {gravity(0), gravity(1), gravity(2)});
+  const std::vector<double> v_free = FreeMotion(self.topology(), problem.q0, problem.v0, step,
+                                                {gravity(0), gravity(1), gravity(2)});
   problem.v_free = v_free;
   problem.v_reference = problem.v0;
   return SolveAndShare(self, inputs, state);
@@ -214,9 +215,9 @@ void BindStep(nb::module_& m) {
           [](const StepSolver& self, const Numbers& q0, const Numbers& v0, double step,
              const ArrayIn<double, Extent<3>>& gravity) {
             const StepTopology& topology = self.topology();
-            return ToNumpy(self.FreeMotion(Vector(q0, topology.num_positions, "q0"),
-                                           Vector(v0, topology.num_velocities, "v0"), step,
-                                           {gravity(0), gravity(1), gravity(2)}));
+            return ToNumpy(FreeMotion(topology, Vector(q0, topology.num_positions, "q0"),
+                                      Vector(v0, topology.num_velocities, "v0"), step,
+                                      {gravity(0), gravity(1), gravity(2)}));
           },
           nb::arg("q0"), nb::arg("v0"), nb::arg("step"), nb::arg("gravity"))
       .def("solve", &Solve, nb::arg("state"), nb::arg("time"), nb::arg("step"), nb::arg("q0"),

@@ -17,11 +17,6 @@ class StepSolver {
   const StepTopology& topology() const { return topology_; }
   const ContactModel& model() const { return *model_; }
 
-  // Velocities at the end of a step under gravity alone, with the inertia and gyroscopic forces of
-  // its start; of floating trees, others keep theirs.
-  std::vector<double> FreeMotion(std::span<const double> q0, std::span<const double> v0,
-                                 double step, const Vec3& gravity) const;
-
   // `state`: of the contact at the start of the step.
   StepSolution Solve(const StepProblem& problem, const ContactState& state) const;
 
