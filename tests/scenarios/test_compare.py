@@ -3,9 +3,6 @@
 import importlib.util
 import json
 import math
-import os
-import signal
-import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +16,7 @@ from scenarios.compare.drake_engines import builtin, friction_of, ours
 from scenarios.compare.engines import engines
 from scenarios.compare.tables import comparison_table
 from scenarios.format.loading import load
+from tests.support.interrupted import interrupted_at
 
 SLIDE = """
 slide:
@@ -182,24 +180,12 @@ def test_ctrl_c_stops_all_engines_and_keeps_nothing(tmp_path, stage, said):
     """It would go on with the next engine, leave one running, or half of a comparison."""
     file, out = tmp_path / "slide.yaml", tmp_path / "runs" / "slide"
     file.write_text(SLIDE.replace("simulation_duration: 0.3", "simulation_duration: 600"))
-    process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, str(file), stage, str(out)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    line = ""
-    while "ready" not in line:
-        line = process.stdout.readline()
-        assert line
-    os.kill(process.pid, signal.SIGINT)
-    rest = process.communicate(timeout=120)[0]
-    assert process.returncode == 130, rest
-    assert said in " ".join(rest.split())
-    assert "Traceback" not in rest
+    all_said = interrupted_at("ready", INTERRUPTED, str(file), stage, str(out))
+    assert said in " ".join(all_said.split())
     assert list(out.parent.iterdir()) == []
     if stage == "engine":
-        assert not Path(f"/proc/{line.split()[1]}").exists()
+        engine = next(line for line in all_said.splitlines() if "ready" in line).split()[1]
+        assert not Path(f"/proc/{engine}").exists()
 
 
 def test_friction_of_a_pair_survives_a_model_with_friction_of_bodies(slide):
